@@ -1,0 +1,30 @@
+"""meshcore: structured, unstructured and adaptive mesh generation."""
+
+__version__ = "0.1.0"
+
+from .errors import Cancelled, GenerationFailed, InvalidGeometry, InvalidInput, MeshcoreError, MissingLibrary
+from .mesh import Mesh, MultiBlock, StructuredGrid
+from .operation import Length, Relative, operations
+from .progress import Progress, silent
+from .report import Report, Result
+from .structured import transfinite
+
+__all__ = [
+    "Cancelled",
+    "GenerationFailed",
+    "InvalidGeometry",
+    "InvalidInput",
+    "Length",
+    "Mesh",
+    "MeshcoreError",
+    "MissingLibrary",
+    "MultiBlock",
+    "Progress",
+    "Relative",
+    "Report",
+    "Result",
+    "StructuredGrid",
+    "operations",
+    "silent",
+    "transfinite",
+]

@@ -1,0 +1,155 @@
+"""The one decorator for compiled kernels, and the cache they are kept in.
+
+numba notices a change of a kernel's own file only, not of a callee in another file: an old machine code would be
+run. So the cache folder is named by a hash of all kernel sources of the package, and of the versions beneath.
+The folder is the user's own; numba's global configuration stays as it is, since the host may use numba too.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import hashlib
+import os
+import shutil
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+import numpy as np
+from numba.core import caching, config
+
+STALE_DAYS = 30
+_PACKAGE = Path(__file__).parent
+
+
+def kernel_sources() -> list[Path]:
+    """All kernel files of the package, in a fixed order."""
+    return sorted(_PACKAGE.rglob("_*_kernels.py"))
+
+
+@functools.cache
+def kernel_hash() -> str:
+    """Hash of the kernel sources and of the versions that compile them."""
+    digest = hashlib.sha256(f"{sys.version_info[:2]} {numba.__version__} {np.__version__}".encode())
+    for path in [Path(__file__), *kernel_sources()]:
+        digest.update(path.relative_to(_PACKAGE).as_posix().encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _user_cache() -> Path:
+    if folder := os.environ.get("MESHCORE_CACHE_DIR"):
+        return Path(folder)
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local") / "meshcore" / "Cache"
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches" / "meshcore"
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "meshcore"
+
+
+@functools.cache
+def cache_folder() -> Path:
+    """A writable folder for compiled kernels: ``MESHCORE_CACHE_DIR``, the user's cache, or a temporary one."""
+    uid = os.getuid() if hasattr(os, "getuid") else "user"
+    for root in (_user_cache, lambda: Path(tempfile.gettempdir()) / f"meshcore-{uid}"):
+        # A home that is unknown, read-only or full is no reason to fail: the next folder will do.
+        with contextlib.suppress(OSError, RuntimeError):
+            folder = root() / f"kernels-{kernel_hash()}"
+            folder.mkdir(parents=True, exist_ok=True)
+            tempfile.TemporaryFile(dir=folder).close()
+            os.utime(folder)
+            return folder
+    return Path(tempfile.mkdtemp(prefix="meshcore-"))
+
+
+def clean_cache() -> int:
+    """Remove cache folders of other versions that were not used for `STALE_DAYS`; return how many."""
+    removed = 0
+    for folder in cache_folder().parent.glob("kernels-*"):
+        if folder != cache_folder() and time.time() - folder.stat().st_mtime > STALE_DAYS * 86400:
+            shutil.rmtree(folder, ignore_errors=True)
+            removed += 1
+    return removed
+
+
+class _Locator(caching._CacheLocator):
+    """Tells numba to keep a kernel in `cache_folder`, fresh as long as `kernel_hash` stands."""
+
+    def __init__(self, py_func: Callable[..., Any]):
+        place = f"{py_func.__module__}:{py_func.__code__.co_firstlineno}"
+        self._disambiguator = hashlib.sha256(place.encode()).hexdigest()[:12]
+
+    def get_cache_path(self) -> str:
+        return str(cache_folder())
+
+    def get_source_stamp(self) -> str:
+        return kernel_hash()
+
+    def get_disambiguator(self) -> str:
+        return self._disambiguator
+
+    @classmethod
+    def from_function(cls, py_func: Callable[..., Any], py_file: str) -> _Locator:
+        return cls(py_func)
+
+
+class _CacheImpl(caching.CompileResultCacheImpl):
+    _locator_classes = [_Locator]
+
+
+class _Cache(caching.FunctionCache):
+    """A cache that is a convenience only: a damaged or unwritable file means compiling again."""
+
+    _impl_class = _CacheImpl
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        try:
+            return super().load_overload(sig, target_context)
+        except Exception:  # a damaged pickle raises anything at all
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        with contextlib.suppress(OSError):
+            super().save_overload(sig, data)
+
+
+def kernel(function: Callable[..., Any] | None = None, *, inline: bool = False) -> Any:
+    """Compile ``function`` at its first call, without the GIL, and keep the machine code for the next process.
+
+    Parameters
+    ----------
+    function : callable
+        Works on numbers and arrays only, never raises, and returns a status.
+    inline : bool
+        Inline into each caller; for helpers of a few lines on a hot path.
+
+    Returns
+    -------
+    numba dispatcher
+
+    Notes
+    -----
+    Never fastmath: exact predicates rely on IEEE arithmetic. Never parallel: two host threads inside numba's
+    parallel layer abort the process. ``MESHCORE_BOUNDSCHECK=1`` compiles with checked subscripts, for tests.
+
+    Examples
+    --------
+    >>> @kernel
+    ... def double(x):
+    ...     return 2 * x
+    >>> double(21)
+    42
+    """
+    if function is None:
+        return functools.partial(kernel, inline=inline)
+    check = os.environ.get("MESHCORE_BOUNDSCHECK") == "1"
+    options = {"inline": "always"} if inline else {}
+    dispatcher = numba.njit(nogil=True, error_model="numpy", boundscheck=check, **options)(function)
+    if not config.DISABLE_JIT and not check and not inline and function.__module__.startswith(__package__):
+        dispatcher._cache = _Cache(dispatcher.py_func)
+    return dispatcher

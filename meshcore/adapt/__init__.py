@@ -1,0 +1,1 @@
+"""Adaptivity: error estimates and refinement of existing meshes."""

@@ -1,0 +1,136 @@
+"""Model inputs, used alike by tests, examples, benchmarks, `meshcore warmup` and the hosts' round trips."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .errors import InvalidInput
+from .geometry.curves import lines_through
+from .mesh import Mesh
+
+
+def square(n: int = 1, *, size: float = 1.0) -> Mesh:
+    """Closed outline of a square with ``n`` lines a side, counter-clockwise from the origin.
+
+    Examples
+    --------
+    >>> square(2)
+    Mesh(8 points, 8 line)
+    """
+    t = np.arange(n) / n
+    zero, one = np.zeros(n), np.ones(n)
+    sides = [(t, zero), (one, t), (1 - t, one), (zero, 1 - t)]
+    points = size * np.concatenate([np.column_stack(side) for side in sides])
+    return lines_through(points, closed=True)
+
+
+def circle(n: int = 32, *, radius: float = 1.0, centre: tuple[float, float] = (0.0, 0.0)) -> Mesh:
+    """Closed polygon of ``n`` lines on a circle, counter-clockwise.
+
+    Examples
+    --------
+    >>> circle(8)
+    Mesh(8 points, 8 line)
+    """
+    angle = 2 * np.pi * np.arange(n) / n
+    return lines_through(np.asarray(centre) + radius * np.column_stack([np.cos(angle), np.sin(angle)]), closed=True)
+
+
+def joined(*meshes: Mesh) -> Mesh:
+    """Several boundaries as one, each loop with its own number in ``cell_data["tag"]``.
+
+    Examples
+    --------
+    >>> joined(square(), circle(8, radius=0.25, centre=(0.5, 0.5)))
+    Mesh(12 points, 12 line)
+    """
+    starts = np.cumsum([0] + [m.n_points for m in meshes])
+    lines = [m.get("line") + start for m, start in zip(meshes, starts, strict=False)]
+    tag = np.repeat(np.arange(1, len(meshes) + 1), [len(c) for c in lines])
+    return Mesh(np.concatenate([m.points for m in meshes]), {"line": np.concatenate(lines)}, cell_data={"tag": tag})
+
+
+def square_with_hole(n: int = 8) -> Mesh:
+    """Unit square with a circular hole of radius 1/4, ``n`` lines a side and about as dense on the circle.
+
+    Examples
+    --------
+    >>> square_with_hole(4)
+    Mesh(24 points, 24 line)
+    """
+    return joined(square(n), circle(max(8, round(np.pi * n / 2)), radius=0.25, centre=(0.5, 0.5)))
+
+
+def l_shape(n: int = 1) -> Mesh:
+    """Outline of the unit square's double without its upper right quarter, ``n`` lines a unit.
+
+    Examples
+    --------
+    >>> l_shape()
+    Mesh(8 points, 8 line)
+    """
+    corners = np.array([[0, 0], [1, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2], [0, 1]], float)
+    steps = np.arange(n)[:, None] / n
+    after = np.roll(corners, -1, axis=0)
+    points = [a + steps * (b - a) for a, b in zip(corners, after, strict=True)]
+    return lines_through(np.concatenate(points), closed=True)
+
+
+def wavy_sides(n: int = 16, m: int = 8) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """South, east, north and west of a patch with curved sides: (n + 1, 3) and (m + 1, 3) points.
+
+    Examples
+    --------
+    >>> [len(side) for side in wavy_sides(4, 2)]
+    [5, 3, 5, 3]
+    """
+    s, t = np.linspace(0, 1, n + 1), np.linspace(0, 1, m + 1)
+    zero = np.zeros_like
+    south = np.column_stack([2 * s, 0.15 * np.sin(2 * np.pi * s), zero(s)])
+    north = np.column_stack([2 * s, 1 + 0.1 * np.sin(3 * np.pi * s), zero(s)])
+    east = np.column_stack([2 + 0.1 * np.sin(np.pi * t), t, zero(t)])
+    west = np.column_stack([-0.1 * np.sin(np.pi * t), t, zero(t)])
+    return south, east, north, west
+
+
+def triangulated_square(n: int = 4) -> Mesh:
+    """Unit square of ``2 n^2`` right triangles, with the point field "front" that is steep along a circle.
+
+    Examples
+    --------
+    >>> triangulated_square(2)
+    Mesh(9 points, 8 triangle)
+    """
+    i, j = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
+    corner = (i * (n + 1) + j).ravel()
+    lower = np.column_stack([corner, corner + n + 1, corner + n + 2])
+    upper = np.column_stack([corner, corner + n + 2, corner + 1])
+    x, y = (a.ravel() / n for a in np.meshgrid(np.arange(n + 1), np.arange(n + 1), indexing="ij"))
+    front = np.tanh(20 * (np.hypot(x, y) - 0.7))
+    return Mesh(np.column_stack([x, y]), {"triangle": np.concatenate([lower, upper])}, point_data={"front": front})
+
+
+def arguments(identifier: str) -> tuple[tuple[Any, ...], dict[str, Any]]:
+    """A small, typical call of an operation: positional inputs and keywords.
+
+    Raises
+    ------
+    InvalidInput
+        If the gallery has none for it: each operation needs one, or it cannot be warmed up.
+
+    Examples
+    --------
+    >>> inputs, keywords = arguments("delaunay_refinement")
+    >>> inputs[0]
+    Mesh(45 points, 45 line)
+    """
+    calls: dict[str, tuple[tuple[Any, ...], dict[str, Any]]] = {
+        "transfinite": (tuple(lines_through(side) for side in wavy_sides()), {}),
+        "delaunay_refinement": ((square_with_hole(),), {"min_angle": 30.0}),
+        "refined": ((triangulated_square(),), {"indicator": "front", "levels": 2}),
+    }
+    if identifier not in calls:
+        raise InvalidInput(f"the gallery has no model call of {identifier!r}; add one to gallery.arguments")
+    return calls[identifier]

@@ -1,0 +1,1 @@
+"""Geometry beneath the generators: exact predicates and curves."""

@@ -1,0 +1,180 @@
+"""Polylines: put in order, measured, resampled, and cut at their corners."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import Union
+
+import numpy as np
+
+from ..errors import InvalidGeometry, InvalidInput
+from ..mesh import Mesh
+
+Curve = Union[Mesh, np.ndarray]
+"""A polyline: (n, 3) or (n, 2) points in order, or a `Mesh` whose "line" cells form one chain."""
+
+
+def chains(mesh: Mesh) -> list[np.ndarray]:
+    """The "line" cells as chains of point numbers; a closed one ends with its first point.
+
+    Chains end where other than two lines meet. Directions follow the first line of each chain.
+
+    Examples
+    --------
+    >>> zigzag = Mesh([[0, 0], [2, 0], [1, 1]], {"line": [[0, 2], [1, 2]]})
+    >>> chains(zigzag)
+    [array([0, 2, 1])]
+    """
+    lines = mesh.get("line")
+    at_point: dict[int, list[int]] = defaultdict(list)
+    for number, (a, b) in enumerate(lines.tolist()):
+        at_point[a].append(number)
+        if a != b:
+            at_point[b].append(number)
+    unused = np.ones(len(lines), bool)
+
+    def follow(start: int, number: int) -> np.ndarray:
+        chain = [start]
+        while unused[number]:
+            unused[number] = False
+            a, b = lines[number].tolist()
+            chain.append(b if chain[-1] == a else a)
+            if len(at_point[chain[-1]]) != 2:
+                break
+            number = next((k for k in at_point[chain[-1]] if unused[k]), number)
+        return np.array(chain)
+
+    found = []
+    for number, (a, b) in enumerate(lines.tolist()):  # open chains, from their ends
+        for end in (a, b):
+            if unused[number] and len(at_point[end]) != 2:
+                found.append(follow(end, number))
+    for number in range(len(lines)):  # what remains is closed
+        if unused[number]:
+            found.append(follow(int(lines[number, 0]), number))
+    return found
+
+
+def polyline(curve: Curve, parameter: str = "curve") -> np.ndarray:
+    """(n, 3) float: the points of a curve in order; a closed one ends with its first point.
+
+    Raises
+    ------
+    InvalidGeometry
+        If the curve is in several pieces, branches, or has fewer than two different points.
+
+    Examples
+    --------
+    >>> polyline(Mesh([[0, 0], [2, 0], [1, 1]], {"line": [[0, 2], [1, 2]]}))[:, 0]
+    array([0., 1., 2.])
+    """
+    if isinstance(curve, Mesh) and len(curve.get("line")):
+        pieces = chains(curve)
+        if len(pieces) != 1:
+            ends = sorted({int(p) for piece in pieces for p in (piece[0], piece[-1])})
+            raise InvalidGeometry(
+                f"needs one chain of line cells, got {len(pieces)}; join its ends or give one curve",
+                parameter=parameter,
+                points=ends,
+            )
+        points = curve.points[pieces[0]]
+    else:
+        points = (curve if isinstance(curve, Mesh) else Mesh(curve, {})).points
+    if len(points) < 2 or not np.ptp(points, axis=0).any():
+        raise InvalidGeometry(f"needs at least two different points, got {len(points)}", parameter=parameter)
+    return points
+
+
+def is_closed(points: np.ndarray) -> bool:
+    """Whether a polyline ends where it begins."""
+    return len(points) > 3 and bool((points[0] == points[-1]).all())
+
+
+def lines_through(points: np.ndarray, *, closed: bool = False) -> Mesh:
+    """A `Mesh` of line cells through points in order.
+
+    Examples
+    --------
+    >>> lines_through([[0, 0], [1, 0], [1, 1]], closed=True)
+    Mesh(3 points, 3 line)
+    """
+    mesh = Mesh(points, {})
+    n = mesh.n_points
+    start = np.arange(n if closed else n - 1)
+    return Mesh(mesh.points, {"line": np.column_stack([start, (start + 1) % n])})
+
+
+def arc_length(points: np.ndarray) -> np.ndarray:
+    """(n,) float: length along a polyline up to each point.
+
+    Examples
+    --------
+    >>> arc_length(np.array([[0.0, 0], [3, 4], [3, 5]]))
+    array([0., 5., 6.])
+    """
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def resampled(points: np.ndarray, fractions: np.ndarray) -> np.ndarray:
+    """(m, 3) float: points of a polyline at fractions of its length; the ends are kept exactly.
+
+    Examples
+    --------
+    >>> resampled(np.array([[0.0, 0, 0], [3, 0, 0], [4, 0, 0]]), np.array([0, 0.5, 1]))[:, 0]
+    array([0., 2., 4.])
+    """
+    length = arc_length(points)
+    at = np.asarray(fractions, float) * length[-1]
+    new = np.column_stack([np.interp(at, length, x) for x in points.T])
+    new[at <= 0] = points[0]
+    new[at >= length[-1]] = points[-1]
+    return new
+
+
+def sharpest_corners(loop: np.ndarray, count: int = 4) -> np.ndarray:
+    """(count,) int: the points of a closed polyline where it turns most, in order, apart from each other.
+
+    A corner closer than a tenth of the length over ``count`` to a sharper one is passed over, and where the
+    loop has fewer real corners the rest are set evenly between.
+
+    Raises
+    ------
+    InvalidInput
+        If the loop is open or has fewer than ``count`` points.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0, 0], [0.5, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 0]])
+    >>> sharpest_corners(square)
+    array([0, 2, 3, 4])
+    """
+    if not is_closed(loop):
+        raise InvalidInput("needs a closed loop: its last point must repeat its first")
+    points = loop[:-1]
+    n = len(points)
+    if n < count:
+        raise InvalidInput(f"needs at least {count} points, got {n}")
+    before, after = points - np.roll(points, 1, axis=0), np.roll(points, -1, axis=0) - points
+    with np.errstate(invalid="ignore", divide="ignore"):
+        cosine = (before * after).sum(axis=1) / np.linalg.norm(before, axis=1) / np.linalg.norm(after, axis=1)
+    turn = np.degrees(np.arccos(np.clip(np.nan_to_num(cosine, nan=1.0), -1, 1)))
+    length = arc_length(loop)
+    total, at = length[-1], length[:-1]
+    chosen: list[int] = []
+    for k in np.argsort(-turn, kind="stable"):
+        if len(chosen) < count and turn[k] > 10 and _apart(at[k], at[chosen], total) > 0.1 * total / count:
+            chosen.append(int(k))
+    while len(chosen) < count:  # halve the longest stretch between corners
+        free = np.setdiff1d(np.arange(n), chosen)
+        gaps = [_apart(at[k], at[chosen], total) for k in free]
+        chosen.append(int(free[np.argmax(gaps)]))
+    return np.sort(np.array(chosen))
+
+
+def _apart(at: float, others: np.ndarray, total: float) -> float:
+    """Least distance along a loop."""
+    if not len(others):
+        return total
+    gap = np.abs(at - others)
+    return float(np.minimum(gap, total - gap).min())

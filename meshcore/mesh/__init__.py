@@ -1,0 +1,9 @@
+"""Data only: Mesh, StructuredGrid, MultiBlock, and the topology derived from them."""
+
+from .cells import BY_VTK, CELL_TYPES, CellType
+from .mesh import Mesh
+from .multi_block import MultiBlock
+from .structured_grid import StructuredGrid
+from .topology import Facets
+
+__all__ = ["BY_VTK", "CELL_TYPES", "CellType", "Facets", "Mesh", "MultiBlock", "StructuredGrid"]

@@ -1,0 +1,172 @@
+"""StructuredGrid: points in rows, columns and layers; neighbours are counted, not stored."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..errors import InvalidGeometry, InvalidInput
+from .mesh import Mesh
+
+FACES = ("imin", "imax", "jmin", "jmax", "kmin", "kmax")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StructuredGrid:
+    """A block of quadrilaterals (nk = 1) or hexahedra with regular connectivity.
+
+    ::
+
+        j
+        ^   (0, nj-1) ---- (ni-1, nj-1)
+        |       |               |            points[i, j, k]
+        |   (0, 0) -------- (ni-1, 0)
+        +--------> i
+
+    Parameters
+    ----------
+    points : (ni, nj, nk, 3) float
+        Coordinates; (ni, nj, 3), (ni, nj, 2) are taken as nk = 1.
+    point_data : dict of str to (ni, nj, nk, ...) array
+        Values at points.
+    cell_data : dict of str to (ni-1, nj-1, max(nk-1, 1), ...) array
+        Values on cells.
+    names : dict of str to str
+        Names of the faces "imin", "imax", "jmin", "jmax", "kmin", "kmax", such as ``{"jmin": "wall"}``.
+    periodic : tuple of three bool
+        Whether the last points along i, j, k repeat the first, as at the cut of an O-grid.
+
+    Raises
+    ------
+    InvalidInput, InvalidGeometry
+        If shapes do not fit or points are not finite.
+
+    Examples
+    --------
+    >>> x, y = np.meshgrid([0, 1, 3], [0, 1], indexing="ij")
+    >>> StructuredGrid(np.stack([x, y], axis=-1))
+    StructuredGrid(3 x 2 points)
+    """
+
+    points: np.ndarray
+    point_data: dict[str, np.ndarray] = field(default_factory=dict)
+    cell_data: dict[str, np.ndarray] = field(default_factory=dict)
+    names: dict[str, str] = field(default_factory=dict)
+    periodic: tuple[bool, bool, bool] = (False, False, False)
+
+    def __post_init__(self) -> None:
+        set_ = object.__setattr__
+        set_(self, "points", _checked_points(self.points))
+        set_(self, "point_data", _checked_data(self.point_data, self.shape, "point_data"))
+        set_(self, "cell_data", _checked_data(self.cell_data, self.cell_shape, "cell_data"))
+        if unknown := set(self.names) - set(FACES):
+            raise InvalidInput(f"{sorted(unknown)[0]!r} is no face; faces are {', '.join(FACES)}", parameter="names")
+
+    def __repr__(self) -> str:
+        shape = self.shape[:2] if self.is_surface else self.shape
+        return f"StructuredGrid({' x '.join(map(str, shape))} points)"
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Points along i, j, k."""
+        return self.points.shape[:3]  # type: ignore[return-value]
+
+    @property
+    def cell_shape(self) -> tuple[int, int, int]:
+        """Cells along i, j, k; one layer for a surface."""
+        ni, nj, nk = self.shape
+        return ni - 1, nj - 1, max(nk - 1, 1)
+
+    @property
+    def n_points(self) -> int:
+        """Number of points."""
+        return int(np.prod(self.shape))
+
+    @property
+    def n_cells(self) -> int:
+        """Number of cells."""
+        return int(np.prod(self.cell_shape))
+
+    @property
+    def is_surface(self) -> bool:
+        """Whether the grid has one layer of points, that is, quadrilateral cells."""
+        return self.shape[2] == 1
+
+    @cached_property
+    def diagonal(self) -> float:
+        """Length of the bounding box's diagonal."""
+        flat = self.points.reshape(-1, 3)
+        return float(np.linalg.norm(flat.max(axis=0) - flat.min(axis=0)))
+
+    def with_points(self, points: np.ndarray) -> StructuredGrid:
+        """The same grid on moved points."""
+        return replace(self, points=points)
+
+    def with_cell_data(self, **arrays: np.ndarray) -> StructuredGrid:
+        """The same grid with more cell data."""
+        return replace(self, cell_data={**self.cell_data, **arrays})
+
+    def with_point_data(self, **arrays: np.ndarray) -> StructuredGrid:
+        """The same grid with more point data."""
+        return replace(self, point_data={**self.point_data, **arrays})
+
+    def flat(self, values: np.ndarray) -> np.ndarray:
+        """(ni, nj, nk, ...) values as (ni * nj * nk, ...), i running fastest as in VTK."""
+        values = np.asarray(values)
+        return np.ascontiguousarray(values.swapaxes(0, 2)).reshape(-1, *values.shape[3:])
+
+    def to_mesh(self) -> Mesh:
+        """The same cells as a `Mesh` of "quad" or "hexahedron" cells; points of periodic cuts become one."""
+        number = np.arange(self.n_points).reshape(self.shape[::-1]).swapaxes(0, 2)
+        for axis in np.flatnonzero(self.periodic):
+            number = number.copy()
+            np.moveaxis(number, axis, 0)[-1] = np.moveaxis(number, axis, 0)[0]
+        quads = [number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]]
+        if self.is_surface:
+            kind, corners = "quad", quads
+        else:
+            kind = "hexahedron"
+            corners = [q[:, :, :-1] for q in quads] + [q[:, :, 1:] for q in quads]
+        cells = np.column_stack([self.flat(c) for c in corners])
+        return Mesh(
+            self.flat(self.points),
+            {kind: cells},
+            point_data={name: self.flat(values) for name, values in self.point_data.items()},
+            cell_data={name: self.flat(values) for name, values in self.cell_data.items()},
+        ).compacted()
+
+
+def _checked_points(points: Any) -> np.ndarray:
+    try:
+        points = np.ascontiguousarray(points, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidInput("needs numbers, as an (ni, nj, nk, 3) array", parameter="points") from None
+    if points.ndim == 3:
+        points = points[:, :, None, :]
+    if points.ndim != 4 or points.shape[3] not in (2, 3):
+        raise InvalidInput(f"needs shape (ni, nj, nk, 3), got {points.shape}", parameter="points")
+    if points.shape[0] < 2 or points.shape[1] < 2 or points.shape[2] < 1:
+        raise InvalidInput(f"needs at least 2 x 2 points, got {points.shape[:3]}", parameter="points")
+    if points.shape[3] == 2:
+        points = np.concatenate([points, np.zeros((*points.shape[:3], 1))], axis=3)
+    bad = np.argwhere(~np.isfinite(points).all(axis=3))
+    if len(bad):
+        where = np.ravel_multi_index(tuple(bad.T), points.shape[:3], order="F")
+        raise InvalidGeometry(
+            f"point {tuple(bad[0].tolist())} is {points[tuple(bad[0])].tolist()}", parameter="points", points=where
+        )
+    return np.ascontiguousarray(points)
+
+
+def _checked_data(data: Mapping[str, Any], shape: tuple[int, ...], what: str) -> dict[str, np.ndarray]:
+    checked = {}
+    for name, values in dict(data).items():
+        values = np.asarray(values)
+        if values.shape[:3] != shape:
+            raise InvalidInput(f"needs shape {shape}, got {values.shape}", parameter=f"{what}[{name!r}]")
+        checked[name] = np.ascontiguousarray(values)
+    return checked

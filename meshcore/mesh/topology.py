@@ -1,0 +1,124 @@
+"""Topology derived from cells: edges, facets, neighbours, boundary, orientation."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from .cells import CELL_TYPES
+
+if TYPE_CHECKING:
+    from .mesh import Mesh
+
+_FACET_KIND = {1: "vertex", 2: "line", 3: "triangle", 4: "quad"}
+
+
+class Facets(NamedTuple):
+    """Facets of the cells of highest dimension, each once.
+
+    Attributes
+    ----------
+    nodes : (k, 4) int
+        Nodes as the first cell sees them, outward; -1 fills the rows of facets with fewer nodes.
+    owner : (k,) int
+        Number of the first cell.
+    neighbour : (k,) int
+        Number of the other cell; -1 on the boundary.
+    shared : (k,) int
+        How many cells have the facet; more than 2 means the mesh is not a manifold.
+    """
+
+    nodes: np.ndarray
+    owner: np.ndarray
+    neighbour: np.ndarray
+    shared: np.ndarray
+
+
+def edges(mesh: Mesh) -> np.ndarray:
+    """(k, 2) int: each edge of all cells once, smaller point first, sorted."""
+    parts = [
+        cells[:, np.array(CELL_TYPES[kind].edges, int)].reshape(-1, 2)
+        for kind, cells in mesh.cells.items()
+        if CELL_TYPES[kind].edges
+    ]
+    if not parts:
+        return np.empty((0, 2), np.int64)
+    return np.unique(np.sort(np.concatenate(parts), axis=1), axis=0)
+
+
+def facets(mesh: Mesh) -> Facets:
+    """Facets of the cells of highest dimension, matched by their sorted nodes."""
+    nodes, owner = _all_facets(mesh)
+    if not len(nodes):
+        none = np.empty(0, np.int64)
+        return Facets(np.empty((0, 4), np.int64), none, none, none)
+    key = np.sort(nodes, axis=1)
+    order = np.lexsort((owner, *key.T[::-1]))
+    key = key[order]
+    first = np.concatenate([[True], (key[1:] != key[:-1]).any(axis=1)])
+    starts = np.flatnonzero(first)
+    shared = np.diff(np.append(starts, len(key)))
+    second = order[np.minimum(starts + 1, len(order) - 1)]
+    neighbour = np.where(shared > 1, owner[second], -1)
+    return Facets(nodes[order[starts]], owner[order[starts]], neighbour, shared)
+
+
+def boundary(mesh: Mesh) -> Mesh:
+    """Mesh of the facets that belong to one cell only, on the points of ``mesh``."""
+    found = facets(mesh)
+    outer = found.shared == 1
+    return facet_mesh(mesh, found.nodes[outer], {"cell": found.owner[outer]})
+
+
+def facet_mesh(mesh: Mesh, nodes: np.ndarray, data: dict[str, np.ndarray]) -> Mesh:
+    """Facets given as (k, 4) rows padded by -1, as a mesh on the points of ``mesh``; ``data`` are per facet."""
+    from .mesh import Mesh
+
+    count = (nodes >= 0).sum(axis=1)
+    cells, order = {}, []
+    for n in np.unique(count):
+        rows = np.flatnonzero(count == n)
+        cells[_FACET_KIND[int(n)]] = nodes[rows, :n]
+        order.append(rows)
+    order = np.concatenate(order) if order else np.empty(0, np.int64)
+    cell_data = {name: np.asarray(values)[order] for name, values in data.items()}
+    return Mesh(mesh.points, cells, point_data=mesh.point_data, cell_data=cell_data)
+
+
+def turned(kind: str, cells: np.ndarray, flip: np.ndarray) -> np.ndarray:
+    """``cells`` with those of ``flip`` given the opposite orientation."""
+    order = {
+        "line": (1, 0),
+        "triangle": (0, 2, 1),
+        "quad": (0, 3, 2, 1),
+        "tetra": (0, 2, 1, 3),
+        "hexahedron": (0, 3, 2, 1, 4, 7, 6, 5),
+        "wedge": (0, 2, 1, 3, 5, 4),
+        "pyramid": (0, 3, 2, 1, 4),
+        "line3": (1, 0, 2),
+        "triangle6": (0, 2, 1, 5, 4, 3),
+        "quad8": (0, 3, 2, 1, 7, 6, 5, 4),
+        "quad9": (0, 3, 2, 1, 7, 6, 5, 4, 8),
+        "tetra10": (0, 2, 1, 3, 6, 5, 4, 7, 9, 8),
+    }.get(kind)
+    if order is None or not flip.any():
+        return cells
+    return np.where(flip[:, None], cells[:, order], cells)
+
+
+def _all_facets(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
+    """Every facet of every cell of highest dimension, as (k, 4) nodes padded by -1, and its cell."""
+    dimension = mesh.dimension
+    nodes, owner = [], []
+    for kind, cells, where in mesh.blocks():
+        if CELL_TYPES[kind].dimension != dimension:
+            continue
+        for local in CELL_TYPES[kind].facets:
+            rows = np.full((len(cells), 4), -1, np.int64)
+            rows[:, : len(local)] = cells[:, local]
+            nodes.append(rows)
+            owner.append(np.arange(where.start, where.stop))
+    if not nodes:
+        return np.empty((0, 4), np.int64), np.empty(0, np.int64)
+    return np.concatenate(nodes), np.concatenate(owner)

@@ -1,0 +1,1 @@
+"""Measures of quality, their report, and the validity of meshes."""

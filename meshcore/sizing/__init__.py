@@ -1,0 +1,1 @@
+"""Spacing along curves and size fields in the plane and in space."""

@@ -1,0 +1,5 @@
+"""Structured grids: transfinite interpolation and block topologies."""
+
+from .transfinite import transfinite
+
+__all__ = ["transfinite"]

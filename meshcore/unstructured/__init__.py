@@ -1,0 +1,1 @@
+"""Unstructured meshes: Delaunay triangulation and refinement."""
