@@ -11,6 +11,7 @@ import contextlib
 import functools
 import hashlib
 import os
+import pickle
 import shutil
 import sys
 import tempfile
@@ -114,8 +115,12 @@ class _Cache(caching.FunctionCache):
             return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        with contextlib.suppress(OSError):
-            super().save_overload(sig, data)
+        with contextlib.suppress(OSError):  # a full or read-only disk
+            try:
+                super().save_overload(sig, data)
+            except (pickle.UnpicklingError, EOFError, ValueError, AttributeError, ImportError):  # a damaged index
+                self.flush()
+                super().save_overload(sig, data)
 
 
 def kernel(function: Callable[..., Any] | None = None, *, inline: bool = False) -> Any:

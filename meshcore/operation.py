@@ -234,7 +234,12 @@ class Operation:
 
 
 def _plain_param(param: Param) -> dict[str, Any]:
-    plain = {k: v for k, v in vars(param).items() if v not in (None, "", (), False) and k not in ("name", "default")}
+    hidden = ("name", "default")
+    plain = {
+        k: v
+        for k, v in vars(param).items()
+        if k not in hidden and v is not None and v is not False and v not in ("", ())
+    }
     plain["label"] = param.label
     default = param.default
     plain["default"] = {"relative": default.fraction} if isinstance(default, Relative) else default
@@ -312,7 +317,7 @@ def _read_signature(function: Callable[..., Any], signature: inspect.Signature) 
     inputs: dict[str, Port] = {}
     params: dict[str, Param] = {}
     for name, parameter in signature.parameters.items():
-        hint, info = _annotation(hints[name])
+        hint, info = _annotation(hints.get(name))
         if isinstance(info, Port):
             optional = parameter.default is not inspect.Parameter.empty
             inputs[name] = replace(info, name=name, type=hint, optional=optional)
