@@ -151,14 +151,10 @@ def sharpest_corners(loop: np.ndarray, count: int = 4) -> np.ndarray:
     """
     if not is_closed(loop):
         raise InvalidInput("needs a closed loop: its last point must repeat its first")
-    points = loop[:-1]
-    n = len(points)
+    n = len(loop) - 1
     if n < count:
         raise InvalidInput(f"needs at least {count} points, got {n}")
-    before, after = points - np.roll(points, 1, axis=0), np.roll(points, -1, axis=0) - points
-    with np.errstate(invalid="ignore", divide="ignore"):
-        cosine = (before * after).sum(axis=1) / np.linalg.norm(before, axis=1) / np.linalg.norm(after, axis=1)
-    turn = np.degrees(np.arccos(np.clip(np.nan_to_num(cosine, nan=1.0), -1, 1)))
+    turn = _turns(loop[:-1])
     length = arc_length(loop)
     total, at = length[-1], length[:-1]
     chosen: list[int] = []
@@ -170,6 +166,17 @@ def sharpest_corners(loop: np.ndarray, count: int = 4) -> np.ndarray:
         gaps = [_apart(at[k], at[chosen], total) for k in free]
         chosen.append(int(free[np.argmax(gaps)]))
     return np.sort(np.array(chosen))
+
+
+def _turns(points: np.ndarray) -> np.ndarray:
+    """(n,) float: how many degrees a loop turns at each point; the first of several equal points has it all."""
+    turn = np.zeros(len(points))
+    kept = np.flatnonzero((points != np.roll(points, 1, axis=0)).any(axis=1))
+    along = points[kept] - np.roll(points[kept], 1, axis=0)
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    cosine = (along * np.roll(along, -1, axis=0)).sum(axis=1)
+    turn[kept] = np.degrees(np.arccos(np.clip(cosine, -1, 1)))
+    return turn
 
 
 def _apart(at: float, others: np.ndarray, total: float) -> float:
