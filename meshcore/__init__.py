@@ -2,6 +2,7 @@
 
 __version__ = "0.1.0"
 
+from . import quality
 from .errors import Cancelled, GenerationFailed, InvalidGeometry, InvalidInput, MeshcoreError, MissingLibrary
 from .mesh import Mesh, MultiBlock, StructuredGrid
 from .operation import Length, Relative, operations
@@ -25,6 +26,7 @@ __all__ = [
     "Result",
     "StructuredGrid",
     "operations",
+    "quality",
     "silent",
     "transfinite",
 ]

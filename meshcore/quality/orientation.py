@@ -1,0 +1,140 @@
+"""Whether cells are positively oriented: exactly in the plane and for tetrahedra, by corner Jacobians elsewhere."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+
+from ..mesh import CELL_TYPES, Mesh
+from .vectors import cross, dot, squared, triple
+
+_UNIT = np.finfo(float).eps / 2
+
+CORNERS: dict[str, tuple[tuple[int, int, int, int], ...]] = {
+    "tetra": ((0, 1, 2, 3),),
+    "hexahedron": (
+        *((k, (k + 1) % 4, (k + 3) % 4, k + 4) for k in range(4)),
+        *((k + 4, (k + 3) % 4 + 4, (k + 1) % 4 + 4, k) for k in range(4)),
+    ),
+    "wedge": (
+        *((k, (k + 1) % 3, (k + 2) % 3, k + 3) for k in range(3)),
+        *((k + 3, (k + 2) % 3 + 3, (k + 1) % 3 + 3, k) for k in range(3)),
+    ),
+    "pyramid": tuple((k, (k + 1) % 4, (k + 3) % 4, 4) for k in range(4)),
+}
+"""For each kind of solid cell: a corner and its three neighbours, so that their determinant is positive.
+
+The apex of a pyramid has four neighbours, so it is no corner in this sense (Verdict leaves it out as well).
+"""
+
+
+def positive(mesh: Mesh, plane: np.ndarray | None) -> np.ndarray:
+    """(number of cells,) bool: whether each cell is positively oriented and not degenerate.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Curved kinds are judged by their corner nodes.
+    plane : (n, 2) float or None
+        The points in the coordinates of their plane, if they lie in one: then cells of dimension 2 must be
+        counter-clockwise, quads convex too. Without it, cells of dimension 2 must have an area and no fold.
+
+    Examples
+    --------
+    >>> mesh = Mesh([[0, 0], [1, 0], [0, 1]], {"triangle": [[0, 1, 2], [0, 2, 1], [0, 1, 1]]})
+    >>> positive(mesh, mesh.points[:, :2])
+    array([ True, False, False])
+    """
+    good = np.ones(mesh.n_cells, bool)
+    for kind, cells, where in mesh.blocks():
+        corners = CELL_TYPES[kind].linear or kind
+        cells = cells[:, : CELL_TYPES[corners].nodes]
+        if corners == "line":
+            good[where] = (mesh.points[cells[:, 0]] != mesh.points[cells[:, 1]]).any(axis=1)
+        elif corners in ("triangle", "quad"):
+            good[where] = _on_surface(mesh.points, cells) if plane is None else _in_plane(plane, cells)
+        elif corners == "tetra":
+            good[where] = determinant_sign(mesh.points, cells) > 0
+        elif corners in CORNERS:
+            good[where] = corner_jacobians(corners, mesh.points[cells]).min(axis=1) > 0
+    return good
+
+
+def corner_jacobians(kind: str, x: np.ndarray) -> np.ndarray:
+    """(m, number of corners) float: determinant of the three edges at each corner of (m, k, 3) solid cells."""
+    at = CORNERS[kind]
+    return np.stack([triple(*(x[:, k] - x[:, corner] for k in others)) for corner, *others in at], axis=1)
+
+
+def determinant_sign(points: np.ndarray, simplices: np.ndarray) -> np.ndarray:
+    """(m,) int: exact sign of the area of triangles in the plane, or of the volume of tetrahedra.
+
+    Parameters
+    ----------
+    points : (n, d) float
+        d = 2 or 3.
+    simplices : (m, d + 1) int
+        Their nodes.
+
+    References
+    ----------
+    The filter is stage A of J. R. Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric
+    predicates", Discrete Comput. Geom. 18 (1997); what it leaves open is settled in rational numbers.
+
+    Examples
+    --------
+    >>> determinant_sign(np.array([[0.0, 0], [0.1, 0.1], [0.3, 0.3]]), np.array([[0, 1, 2]]))
+    array([0])
+    """
+    with np.errstate(over="ignore", invalid="ignore"):  # infinite and nan values go to the exact stage
+        value, bound = (_area_and_bound if points.shape[1] == 2 else _volume_and_bound)(points, simplices)
+    sign = np.sign(value).astype(int)
+    for k in np.flatnonzero(~(np.abs(value) > bound)):
+        exact = _exact_determinant([[Fraction(float(v)) for v in p] for p in points[simplices[k]]])
+        sign[k] = (exact > 0) - (exact < 0)
+    return sign
+
+
+def _area_and_bound(points: np.ndarray, simplices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    x, y = np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1])
+    a, b, c = np.ascontiguousarray(simplices.T)
+    left = (x[a] - x[c]) * (y[b] - y[c])
+    right = (y[a] - y[c]) * (x[b] - x[c])
+    return left - right, (3 + 16 * _UNIT) * _UNIT * (np.abs(left) + np.abs(right))
+
+
+def _volume_and_bound(points: np.ndarray, simplices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    x = points[simplices]
+    (ax, ay, az), (bx, by, bz), (cx, cy, cz) = ((x[:, k] - x[:, 0]).T for k in (1, 2, 3))
+    terms = [(ax, by, cz, bz, cy), (bx, cy, az, cz, ay), (cx, ay, bz, az, by)]
+    value = sum(u * (v * w - s * t) for u, v, w, s, t in terms)
+    size = sum(np.abs(u) * (np.abs(v * w) + np.abs(s * t)) for u, v, w, s, t in terms)
+    return value, (7 + 56 * _UNIT) * _UNIT * size
+
+
+def _exact_determinant(corners: list[list[Fraction]]) -> Fraction:
+    first, *others = corners
+    rows = [[v - w for v, w in zip(other, first, strict=True)] for other in others]
+    if len(rows) == 2:
+        return rows[0][0] * rows[1][1] - rows[0][1] * rows[1][0]
+    (a, b, c), (d, e, f), (g, h, i) = rows
+    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+
+
+def _in_plane(plane: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    n = cells.shape[1]
+    if n == 3:
+        return determinant_sign(plane, cells) > 0
+    return np.all([determinant_sign(plane, cells[:, [k - 1, k, (k + 1) % n]]) > 0 for k in range(n)], axis=0)
+
+
+def _on_surface(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    x = points[cells]
+    if cells.shape[1] == 3:
+        a, b = x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]
+        # The cross product of parallel vectors is rounding only: of the order of the unit times both lengths.
+        return squared(cross(a, b)) > (4 * _UNIT) ** 2 * squared(a) * squared(b)
+    normal = cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1])
+    corners = [cross(x[:, (k + 1) % 4] - x[:, k], x[:, k - 1] - x[:, k]) for k in range(4)]
+    return np.all([dot(c, normal) > 0 for c in corners], axis=0)
