@@ -41,6 +41,7 @@ paraview-plugin: env ## write the ParaView plugin anew from the registry
 
 registry: env ## write tests/registry.json anew: a deliberate act, since its names are in users' files
 	$(BIN)/python -m tests.core.test_registry
+	$(BIN)/python -m tests.core.test_readme
 
 warmup: env ## compile all kernels ahead
 	$(BIN)/meshcore warmup
