@@ -1,0 +1,104 @@
+"""Overspill: cells of a surface grid that are folded, flat or turned over (survey 2.4.1, figure 6)."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from ..errors import GenerationFailed
+from ..mesh import StructuredGrid
+
+FLAT = 1e-12
+"""Sine of a corner's angle below which the corner counts as flat: round-off of coordinates near 1."""
+CREASE = -0.5
+"""Cosine between neighbouring cells' normals below which one of the two is taken to be turned over."""
+
+
+def folded_cells(points: np.ndarray) -> np.ndarray:
+    """Which cells of a surface grid are folded.
+
+    In a plane, of any attitude, a cell is sound if its Jacobian is positive at all four corners. In space there is
+    no outside to compare with: a cell is folded if a corner's normal points against the cell's; creases of more than
+    120 degrees cut the surface into parts, and those that face against the largest part are turned over.
+
+    Parameters
+    ----------
+    points : (ni, nj, 3) float
+        The grid's points.
+
+    Returns
+    -------
+    (ni - 1, nj - 1) bool
+
+    Examples
+    --------
+    >>> x, y = np.meshgrid([0.0, 1, 2], [0.0, 1], indexing="ij")
+    >>> points = np.stack([x, y, 0 * x], axis=-1)
+    >>> points[1, 0, 0] = 2.5
+    >>> folded_cells(points)
+    array([[False],
+           [ True]])
+    """
+    corners, sizes = _corner_normals(points)
+    loop = np.concatenate([points[:-1, 0], points[-1, :-1], points[:0:-1, -1], points[0, :0:-1]])
+    area = 0.5 * np.cross(loop, np.roll(loop, -1, axis=0)).sum(axis=0)
+    normal = _plane_normal(points, area)
+    if normal is not None:
+        return (corners @ normal <= FLAT * sizes).any(axis=0)
+    return _folded_in_space(corners, sizes)
+
+
+def refuse_folds(grid: StructuredGrid, cure: str) -> None:
+    """Raise `GenerationFailed`, with the cells and the grid, if a surface grid has folded cells."""
+    folded = folded_cells(grid.points[:, :, 0])
+    if not folded.any():
+        return
+    i, j = np.argwhere(folded)[0]
+    x, y, z = grid.points[i, j, 0]
+    raise GenerationFailed(
+        f"{folded.sum()} of {folded.size} cells are folded or flat, the first at i = {i}, j = {j} "
+        f"near ({x:.6g}, {y:.6g}, {z:.6g}); {cure}",
+        cells=np.flatnonzero(folded.ravel(order="F")),
+        partial=grid,
+    )
+
+
+def _corner_normals(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(4, ni - 1, nj - 1, 3) cross products of the edges at each corner, and the products of their lengths."""
+    a, b, c, d = points[:-1, :-1], points[1:, :-1], points[1:, 1:], points[:-1, 1:]
+    edges = np.stack([b - a, c - b, d - c, a - d])
+    back = -np.roll(edges, 1, axis=0)
+    length = np.linalg.norm(edges, axis=-1)
+    return np.cross(edges, back), length * np.roll(length, 1, axis=0)
+
+
+def _plane_normal(points: np.ndarray, area: np.ndarray) -> np.ndarray | None:
+    """Unit normal of the plane that holds all points, or None; its side is that of the boundary's area vector."""
+    if (points[..., 2] == points[0, 0, 2]).all():
+        return np.array([0.0, 0.0, 1.0 if area[2] >= 0 else -1.0])
+    extent = float(np.linalg.norm(np.ptp(points.reshape(-1, 3), axis=0)))
+    size = float(np.linalg.norm(area))
+    if size <= 1e-9 * extent**2:
+        return None
+    normal = area / size
+    return normal if np.abs((points - points[0, 0]) @ normal).max() <= 1e-9 * extent else None
+
+
+def _folded_in_space(corners: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    normal = corners.sum(axis=0)
+    length = np.linalg.norm(normal, axis=-1)
+    folded = ((corners * normal).sum(axis=-1) <= FLAT * sizes * length).any(axis=0)
+    unit = normal / np.where(length > 0, length, 1.0)[..., None]
+    along_i = (unit[1:] * unit[:-1]).sum(axis=-1) >= CREASE
+    along_j = (unit[:, 1:] * unit[:, :-1]).sum(axis=-1) >= CREASE
+    if along_i.all() and along_j.all():
+        return folded
+    number = np.arange(folded.size).reshape(folded.shape)
+    start = np.concatenate([number[:-1][along_i], number[:, :-1][along_j]])
+    stop = np.concatenate([number[1:][along_i], number[:, 1:][along_j]])
+    graph = coo_matrix((np.ones(len(start)), (start, stop)), shape=(folded.size, folded.size))
+    part = connected_components(graph, directed=False)[1].reshape(folded.shape)
+    area = np.column_stack([np.bincount(part.ravel(), weights=x.ravel()) for x in np.moveaxis(normal, -1, 0)])
+    largest = area[np.argmax(np.bincount(part.ravel(), weights=length.ravel()))]
+    return folded | (area @ largest < 0)[part]
