@@ -7,7 +7,8 @@ from fractions import Fraction
 import numpy as np
 
 from ..mesh import CELL_TYPES, Mesh
-from .vectors import cross, dot, squared, triple
+from .vectors import corners as corners_of
+from .vectors import cross, dot, side_by_side, squared, triple
 
 _UNIT = np.finfo(float).eps / 2
 
@@ -57,14 +58,14 @@ def positive(mesh: Mesh, plane: np.ndarray | None) -> np.ndarray:
         elif corners == "tetra":
             good[where] = determinant_sign(mesh.points, cells) > 0
         elif corners in CORNERS:
-            good[where] = corner_jacobians(corners, mesh.points[cells]).min(axis=1) > 0
+            good[where] = corner_jacobians(corners, corners_of(mesh.points, cells)).min(axis=1) > 0
     return good
 
 
 def corner_jacobians(kind: str, x: np.ndarray) -> np.ndarray:
     """(m, number of corners) float: determinant of the three edges at each corner of (m, k, 3) solid cells."""
     at = CORNERS[kind]
-    return np.stack([triple(*(x[:, k] - x[:, corner] for k in others)) for corner, *others in at], axis=1)
+    return side_by_side([triple(*(x[:, k] - x[:, corner] for k in others)) for corner, *others in at])
 
 
 def determinant_sign(points: np.ndarray, simplices: np.ndarray) -> np.ndarray:
@@ -105,7 +106,7 @@ def _area_and_bound(points: np.ndarray, simplices: np.ndarray) -> tuple[np.ndarr
 
 
 def _volume_and_bound(points: np.ndarray, simplices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    x = points[simplices]
+    x = corners_of(points, simplices)
     (ax, ay, az), (bx, by, bz), (cx, cy, cz) = ((x[:, k] - x[:, 0]).T for k in (1, 2, 3))
     terms = [(ax, by, cz, bz, cy), (bx, cy, az, cz, ay), (cx, ay, bz, az, by)]
     value = sum(u * (v * w - s * t) for u, v, w, s, t in terms)
@@ -130,7 +131,7 @@ def _in_plane(plane: np.ndarray, cells: np.ndarray) -> np.ndarray:
 
 
 def _on_surface(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    x = points[cells]
+    x = corners_of(points, cells)
     if cells.shape[1] == 3:
         a, b = x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]
         # The cross product of parallel vectors is rounding only: of the order of the unit times both lengths.

@@ -1,0 +1,102 @@
+"""Measures by name, for meshes of any mixture of cells and for structured grids."""
+
+from __future__ import annotations
+
+import difflib
+
+import numpy as np
+
+from ..errors import InvalidInput
+from ..mesh import CELL_TYPES, Mesh, StructuredGrid
+from . import quad, tetra, triangle
+from .measure_table import Measure
+from .vectors import corners
+
+BY_KIND: dict[str, dict[str, Measure]] = {
+    "triangle": triangle.MEASURES,
+    "quad": quad.MEASURES,
+    "tetra": tetra.MEASURES,
+}
+"""Kind of cell -> name -> `Measure`."""
+
+
+def measures(kind: str | None = None) -> tuple[str, ...]:
+    """Names of the measures of one kind of cell, or of any.
+
+    Parameters
+    ----------
+    kind : str, optional
+        "triangle", "quad", "tetra", "hexahedron", "wedge", "pyramid", or a curved kind, which is measured by its
+        corners.
+
+    Raises
+    ------
+    InvalidInput
+        If there is no such kind.
+
+    Examples
+    --------
+    >>> measures("tetra")[:3]
+    ('aspect_frobenius', 'aspect_gamma', 'aspect_ratio')
+    """
+    if kind is None:
+        return tuple(sorted({name for table in BY_KIND.values() for name in table}))
+    if kind not in CELL_TYPES:
+        raise InvalidInput(f"{kind!r} is no kind of cell; known are {', '.join(CELL_TYPES)}", parameter="kind")
+    return tuple(sorted(BY_KIND.get(corner_kind(kind), {})))
+
+
+def corner_kind(kind: str) -> str:
+    """The kind made by the corners alone."""
+    return CELL_TYPES[kind].linear or kind
+
+
+def measure(mesh: Mesh | StructuredGrid, name: str) -> np.ndarray:
+    """One measure of every cell.
+
+    Parameters
+    ----------
+    mesh : Mesh or StructuredGrid
+        Curved cells are measured by their corner nodes.
+    name : str
+        One of `measures`.
+
+    Returns
+    -------
+    (number of cells,) or (ni-1, nj-1, max(nk-1, 1)) float
+        nan where the measure is not defined for the kind of cell. Infinite where Verdict answers its largest number.
+
+    Raises
+    ------
+    InvalidInput
+        If no kind of cell has such a measure.
+
+    Examples
+    --------
+    >>> mesh = Mesh([[0, 0], [1, 0], [1, 1], [0, 1], [2, 0]], {"quad": [[0, 1, 2, 3]], "triangle": [[1, 4, 2]]})
+    >>> measure(mesh, "min_angle").round(9).tolist(), measure(mesh, "taper").tolist()
+    ([90.0, 45.0], [0.0, nan])
+    """
+    check_name(name)
+    if isinstance(mesh, StructuredGrid):
+        shape = mesh.cell_shape
+        return measure(mesh.to_mesh(), name).reshape(shape[::-1]).swapaxes(0, 2).copy()
+    values = np.full(mesh.n_cells, np.nan)
+    for kind in {corner_kind(kind) for kind in mesh.cells} & BY_KIND.keys():
+        # Cells of one kind are measured together: sizes are compared with their common mean.
+        known = BY_KIND[kind].get(name)
+        blocks = [block for block in mesh.blocks() if corner_kind(block[0]) == kind]
+        if known and sum(len(cells) for _, cells, _ in blocks):
+            nodes = np.concatenate([cells[:, : CELL_TYPES[kind].nodes] for _, cells, _ in blocks])
+            where = np.concatenate([np.arange(place.start, place.stop) for *_, place in blocks])
+            with np.errstate(over="ignore", under="ignore"):
+                values[where] = known.function(corners(mesh.points, nodes))
+    return values
+
+
+def check_name(name: str) -> None:
+    """Raise `InvalidInput`, with the nearest names, if no kind of cell has a measure of this name."""
+    known = measures()
+    if name not in known:
+        near = difflib.get_close_matches(str(name), known, n=3, cutoff=0.5) or known
+        raise InvalidInput(f"{name!r} is no measure; try {', '.join(near)}", parameter="name")
