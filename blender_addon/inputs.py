@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which objects are an operation's inputs, and what to tell the user who selected others."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .convert import ReadingFailed, Source, read
+
+if TYPE_CHECKING:
+    from meshcore import Mesh
+
+READABLE = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+_MODES = {"OBJECT", "EDIT"}
+
+
+def problem(context: Any, declaration: dict[str, Any]) -> str:
+    """Why the operation cannot run on what is selected; empty if it can."""
+    ob = context.active_object
+    wanted = wanted_text(declaration)
+    if not declaration["inputs"]:
+        return ""
+    if ob is None:
+        return f"Select {wanted}"
+    if ob.type not in READABLE:
+        return f"{ob.name} is a {ob.type.lower().replace('_', ' ')}; select {wanted}"
+    if not ob.visible_get():
+        return f"{ob.name} is hidden; show it first"
+    if ob.mode not in _MODES:
+        return "Go to Object Mode or Edit Mode first"
+    return ""
+
+
+def wanted_text(declaration: dict[str, Any]) -> str:
+    """What to select, in words."""
+    ports = declaration["inputs"]
+    first = next(iter(ports.values()), None)
+    if first is None:
+        return "nothing"
+    if not _lines_only(first):
+        return "a mesh with faces"
+    if len(ports) == 1:
+        return "a curve, or a mesh with open edges"
+    return f"{len(ports)} curves ({', '.join(ports)}), or one closed curve"
+
+
+def gather(context: Any, declaration: dict[str, Any]) -> list[Source]:
+    """The inputs in the order of the ports: the active object first, then the other selected ones.
+
+    A single input of lines takes all selected objects together, such as an outline and its holes.
+
+    Raises
+    ------
+    ReadingFailed
+        If the selection does not fit; the text says what to select.
+    """
+    if text := problem(context, declaration):
+        raise ReadingFailed(text)
+    ports = list(declaration["inputs"].values())
+    if not ports:
+        return []
+    active = context.active_object
+    others = []
+    if active.mode == "OBJECT":
+        others = [ob for ob in context.selected_objects if ob is not active and ob.type in READABLE]
+        others.sort(key=lambda ob: ob.name)
+    if len(ports) == 1:
+        everything = [active, *others] if _lines_only(ports[0]) else [active]
+        return [_joined([read(context, ob, ports[0]["cells"]) for ob in everything])]
+    if 1 + len(others) not in (1, len(ports)):
+        raise ReadingFailed(f"{1 + len(others)} objects are selected; select {wanted_text(declaration)}")
+    sources = [read(context, ob, port["cells"]) for ob, port in zip([active, *others], ports, strict=False)]
+    return in_order(sources) if all(map(_lines_only, ports)) else sources
+
+
+def in_order(sides: list[Source]) -> list[Source]:
+    """Curves in the order in which they follow one another around, beginning with the first.
+
+    Blender does not tell in which order objects were selected. Of the two ways around, the one is taken in which the
+    second curve begins where the first ends.
+    """
+    if len(sides) < 3:
+        return sides
+    ends = [_ends(side.mesh) for side in sides]
+
+    def gaps(order: tuple[int, ...]) -> tuple[float, float]:
+        around = [ends[k] for k in (0, *order)]
+        apart = [_apart(a, b) for a, b in zip(around, around[1:] + around[:1], strict=True)]
+        # The second must touch the last end of the first.
+        return round(sum(apart), 6), _apart(around[0][-1:], around[1])
+
+    best = min(itertools.permutations(range(1, len(sides))), key=gaps)
+    return [sides[k] for k in (0, *best)]
+
+
+def _ends(mesh: Mesh) -> np.ndarray:
+    """(2, 3) float: where a chain of lines begins and ends; its first two points if it does neither."""
+    lines = mesh.get("line")
+    count = np.bincount(lines.ravel(), minlength=mesh.n_points)
+    ends = np.flatnonzero(count == 1)
+    if len(ends) != 2:
+        return mesh.points[:2]
+    forwards = lines[:, 0].tolist().count(ends[0]) == 1 or lines[0, 0] == ends[0]
+    return mesh.points[ends if forwards else ends[::-1]]
+
+
+def _apart(a: np.ndarray, b: np.ndarray) -> float:
+    return float(np.linalg.norm(a[:, None] - b[None], axis=2).min())
+
+
+def _joined(sources: list[Source]) -> Source:
+    """Several boundaries as one, with the data that all of them have and a tag for each."""
+    from meshcore import Mesh
+
+    if len(sources) == 1:
+        return sources[0]
+    meshes = [source.mesh for source in sources]
+    starts = np.cumsum([0, *[mesh.n_points for mesh in meshes[:-1]]])
+    lines = np.concatenate([mesh.get("line") + start for mesh, start in zip(meshes, starts, strict=True)])
+    data = {"tag": np.repeat(np.arange(1, len(meshes) + 1), [mesh.n_cells for mesh in meshes])}
+    for name in set.intersection(*[set(mesh.cell_data) for mesh in meshes]):
+        data[name] = np.concatenate([mesh.cell_data[name] for mesh in meshes])
+    points = np.concatenate([mesh.points for mesh in meshes])
+    return Source(Mesh(points, {"line": lines}, cell_data=data), sources[0].name)
+
+
+def _lines_only(port: dict[str, Any]) -> bool:
+    return bool(port["cells"]) and set(port["cells"]) <= {"line"}

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Results as Blender objects: placed on their source, with quality and report kept on the mesh."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+import numpy as np
+
+REPORT = "meshcore_report"
+QUALITY = "quality"
+MEASURE = "scaled_jacobian"
+
+
+def show(context: Any, label: str, source: str, result: Any) -> tuple[Any, list[str]]:
+    """A new object with the result's mesh, made active, and warnings.
+
+    It stands at the source's place, without rotation or scale, so that its coordinates coincide with the source's in
+    the world and keep as many digits.
+    """
+    from meshcore import Mesh, quality
+
+    from . import convert
+
+    mesh = result.mesh if isinstance(result.mesh, Mesh) else result.mesh.to_mesh()
+    parent = bpy.data.objects.get(source)
+    origin = np.array(parent.matrix_world.translation) if parent else np.zeros(3)
+    if mesh.n_cells and mesh.dimension > 1:
+        mesh = mesh.with_cell_data(**{QUALITY: quality.measure(mesh, MEASURE)})
+    name = f"{source} {label}" if source else label
+    data, warnings = convert.write(name, mesh, origin)
+    _keep_report(data, result.report)
+    ob = bpy.data.objects.new(name, data)
+    ob.location = origin
+    _home(context, parent).objects.link(ob)
+    _make_active(context, ob)
+    return ob, warnings
+
+
+def _home(context: Any, source: Any) -> Any:
+    """The source's collection where one may be added to, so that the result is shown where the source is."""
+    for collection in source.users_collection if source else ():
+        if collection.library is None and collection.override_library is None:
+            return collection
+    return context.collection or context.scene.collection
+
+
+def _make_active(context: Any, ob: Any) -> None:
+    if context.active_object and context.active_object.mode != "OBJECT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    context.view_layer.update()  # it does not know what was just linked or removed
+    for other in context.view_layer.objects:
+        other.select_set(False)
+    # An excluded collection is not part of the view layer: the object is there, but cannot be made active.
+    if ob.name in context.view_layer.objects:
+        ob.select_set(True)
+        context.view_layer.objects.active = ob
+
+
+def _keep_report(data: Any, report: Any) -> None:
+    """The report as ID properties, for the panel; they are saved with the file."""
+    data[REPORT] = {
+        "operation": report.operation,
+        "seconds": report.seconds,
+        "converged": report.converged,
+        "warnings": "\n".join(report.warnings),
+        "counts": {name[:63]: int(number) for name, number in report.counts.items()},
+        "quality": {name[:63]: float(number) for name, number in report.quality.items()},
+    }
+
+
+def summary(data: Any) -> list[tuple[str, str]]:
+    """The kept report as rows of text; none if the mesh is not from meshcore."""
+    kept = data.get(REPORT)
+    if kept is None:
+        return []
+    rows = [(name, f"{number:,}") for name, number in kept["counts"].items()]
+    rows += [(name, f"{number:.4g}") for name, number in kept["quality"].items()]
+    if not kept["converged"]:
+        rows.append(("converged", "no"))
+    rows += [("warning", text) for text in kept["warnings"].splitlines()]
+    return [*rows, ("seconds", f"{kept['seconds']:.3g}")]
