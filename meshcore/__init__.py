@@ -2,7 +2,7 @@
 
 __version__ = "0.1.0"
 
-from . import quality
+from . import io, quality
 from .errors import Cancelled, GenerationFailed, InvalidGeometry, InvalidInput, MeshcoreError, MissingLibrary
 from .mesh import Mesh, MultiBlock, StructuredGrid
 from .operation import Length, Relative, operations
@@ -25,6 +25,7 @@ __all__ = [
     "Report",
     "Result",
     "StructuredGrid",
+    "io",
     "operations",
     "quality",
     "silent",

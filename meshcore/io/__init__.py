@@ -1,1 +1,8 @@
 """Reading and writing, one module per format."""
+
+from . import airfoil, obj, off, ply, stl, triangle  # noqa: F401 (each registers its format)
+from .fit import FormatWarning
+from .pyvista_bridge import from_pyvista, to_pyvista
+from .registry import Format, FormatRow, formats, read, write
+
+__all__ = ["Format", "FormatRow", "FormatWarning", "formats", "from_pyvista", "read", "to_pyvista", "write"]
