@@ -116,10 +116,10 @@ class _Bytes:
         self.raw, self.name = raw, name
         self.data = data if raw else re.split(rb"[^A-Za-z0-9+/=\s]", data, maxsplit=1)[0].translate(None, b" \t\r\n")
         self.content: bytes | None = None
-        self.header_end = 0
+        self.header_size = 0
 
     def take(self, size: int, after: int = 0, join: bool = False) -> bytes:
-        """``size`` bytes that begin ``after`` bytes from the start; ``join`` says that the header ends with them."""
+        """``size`` bytes that begin ``after`` bytes from the start; ``join`` says that they end the header."""
         if size < 0 or size > len(self.data):
             raise InvalidInput(f"the array {self.name!r} promises more than the file holds")
         found = bytes(self.data[after : after + size]) if self.raw else self._decoded(size, after, join)
@@ -128,16 +128,20 @@ class _Bytes:
         return found
 
     def _decoded(self, size: int, after: int, join: bool) -> bytes:
-        if not self.header_end:
+        if not self.header_size:
             stop = 4 * -(-(after + size) // 3)
+            head = self.data[:stop]
             if join:
-                self.header_end, self.header_size = stop, after + size
-            return _base64(self.data[:stop], self.name)[after : after + size]
+                self.header_size = after + size
+                # VTK encodes the header apart, with its own filling, if there are blocks; else both in one run.
+                apart = self.header_size % 3 == 0 or head.endswith(b"=")
+                self.begin, self.skip = (stop, 0) if apart else (0, self.header_size)
+            return _base64(head, self.name)[after : after + size]
         if self.content is None:  # the content is one run, up to the first filling
-            tail = self.data[self.header_end :]
+            tail = self.data[self.begin :]
             cut = tail.find(b"=")
             tail = tail if cut < 0 else tail[: 4 * (cut // 4 + 1)]
-            self.content = _base64(tail[: len(tail) // 4 * 4], self.name)
+            self.content = _base64(tail[: len(tail) // 4 * 4], self.name)[self.skip :]
         begin = after - self.header_size
         return self.content[begin : begin + size]
 
