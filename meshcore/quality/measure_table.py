@@ -48,15 +48,15 @@ class Measure:
     unit: str = ""
 
 
-def relative_size(size: np.ndarray) -> np.ndarray:
-    """(m,) float: min(s, 1 / s)^2 with s the size of each cell over the mean size; 0 for cells without size.
+def relative_size(size: np.ndarray, mean: float | None = None) -> np.ndarray:
+    """(m,) float: min(s, 1 / s)^2 with s the size of each cell over the mean; 0 for cells without size.
 
     Examples
     --------
     >>> relative_size(np.array([1.0, 3.0]))
     array([0.25      , 0.44444444])
     """
-    mean = size.mean() if len(size) else 0.0
+    mean = size.mean() if mean is None else mean
     if not mean > 0:
         return np.zeros(len(size))
     ratio = np.maximum(size / mean, 0.0)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import InvalidInput
 from ..mesh import CELL_TYPES, Mesh, StructuredGrid
-from . import quad, tetra, triangle
+from . import hexahedron, pyramid, quad, tetra, triangle, wedge
 from .measure_table import Measure
 from .vectors import corners
 
@@ -16,6 +16,9 @@ BY_KIND: dict[str, dict[str, Measure]] = {
     "triangle": triangle.MEASURES,
     "quad": quad.MEASURES,
     "tetra": tetra.MEASURES,
+    "hexahedron": hexahedron.MEASURES,
+    "wedge": wedge.MEASURES,
+    "pyramid": pyramid.MEASURES,
 }
 """Kind of cell -> name -> `Measure`."""
 

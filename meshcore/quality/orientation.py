@@ -7,27 +7,11 @@ from fractions import Fraction
 import numpy as np
 
 from ..mesh import CELL_TYPES, Mesh
+from . import solid
 from .vectors import corners as corners_of
-from .vectors import cross, dot, side_by_side, squared, triple
+from .vectors import cross, dot, squared
 
 _UNIT = np.finfo(float).eps / 2
-
-CORNERS: dict[str, tuple[tuple[int, int, int, int], ...]] = {
-    "tetra": ((0, 1, 2, 3),),
-    "hexahedron": (
-        *((k, (k + 1) % 4, (k + 3) % 4, k + 4) for k in range(4)),
-        *((k + 4, (k + 3) % 4 + 4, (k + 1) % 4 + 4, k) for k in range(4)),
-    ),
-    "wedge": (
-        *((k, (k + 1) % 3, (k + 2) % 3, k + 3) for k in range(3)),
-        *((k + 3, (k + 2) % 3 + 3, (k + 1) % 3 + 3, k) for k in range(3)),
-    ),
-    "pyramid": tuple((k, (k + 1) % 4, (k + 3) % 4, 4) for k in range(4)),
-}
-"""For each kind of solid cell: a corner and its three neighbours, so that their determinant is positive.
-
-The apex of a pyramid has four neighbours, so it is no corner in this sense (Verdict leaves it out as well).
-"""
 
 
 def positive(mesh: Mesh, plane: np.ndarray | None) -> np.ndarray:
@@ -57,15 +41,9 @@ def positive(mesh: Mesh, plane: np.ndarray | None) -> np.ndarray:
             good[where] = _on_surface(mesh.points, cells) if plane is None else _in_plane(plane, cells)
         elif corners == "tetra":
             good[where] = determinant_sign(mesh.points, cells) > 0
-        elif corners in CORNERS:
-            good[where] = corner_jacobians(corners, corners_of(mesh.points, cells)).min(axis=1) > 0
+        elif corners in solid.CORNERS:
+            good[where] = solid.corner_jacobians(corners, corners_of(mesh.points, cells)).min(axis=1) > 0
     return good
-
-
-def corner_jacobians(kind: str, x: np.ndarray) -> np.ndarray:
-    """(m, number of corners) float: determinant of the three edges at each corner of (m, k, 3) solid cells."""
-    at = CORNERS[kind]
-    return side_by_side([triple(*(x[:, k] - x[:, corner] for k in others)) for corner, *others in at])
 
 
 def determinant_sign(points: np.ndarray, simplices: np.ndarray) -> np.ndarray:

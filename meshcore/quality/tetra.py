@@ -1,8 +1,10 @@
 """Verdict's measures of tetrahedra, by their names and definitions in the Verdict manual, chapter 6.
 
-Two answers differ from Verdict's on purpose. Its code of the collapse ratio exchanges edges 1-2 and 1-3, so that
-faces 0-1-2 and 0-1-3 are compared with an edge that is not theirs; here it is as the manual defines it. And the
-scaled Jacobian of a tetrahedron shrunk to a point or a line is 0, where Verdict answers its largest number.
+Three answers differ from Verdict's code on purpose, and follow the manual. For the smallest angle, the code turns
+two of the four normals it compares inward, so that it takes 180 degrees less the dihedral angle at edges 0-2 and
+1-3. For the collapse ratio, it exchanges edges 1-2 and 1-3, so that the heights over faces 0-1-2 and 0-1-3 are
+divided by an edge that is not theirs. And the scaled Jacobian of a tetrahedron shrunk to a point is 0 here, where
+Verdict answers its largest number, which would be its best.
 """
 
 from __future__ import annotations
