@@ -111,6 +111,10 @@ def _fitted_grid(mesh: Mesh | StructuredGrid | MultiBlock, holds: Holds, name: s
         kept = getattr(holds, attribute, False) or ()
         held = dict.fromkeys(key for block in blocks for key in getattr(block, attribute))
         warn_dropped(what, [key for key in held if key not in kept], reason)
+    if any(any(block.periodic) for block in blocks):
+        warn_dropped("the property", ["periodic"], reason)
+    if isinstance(mesh, MultiBlock):
+        warn_dropped("block names", [n for k, n in enumerate(mesh.names) if n != f"block {k}"], reason)
     return mesh
 
 
