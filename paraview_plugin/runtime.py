@@ -1,0 +1,237 @@
+"""What all of the plugin's sources and filters share: requests of the pipeline, progress, abort, errors."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from pathlib import Path
+
+from paraview import print_error, print_warning
+from paraview.util.vtkAlgorithm import VTKPythonAlgorithmBase
+from vtkmodules.vtkCommonDataModel import vtkDataObject
+from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm, vtkStreamingDemandDrivenPipeline
+
+from .conversion import boundary_of, fill, fill_report, grid_of, mesh_of
+from .meshcore_plugin import paraview_plugin_version  # written by generate.py
+
+NO_ARRAY = "None"
+BY_DEFAULT = object()
+UNKNOWN_EXTENT = (0, -1, 0, -1, 0, -1)
+
+# Libraries that the installer put beside this file; those that ParaView has itself come first.
+if (Path(__file__).parent / "packages").is_dir():
+    sys.path.append(str(Path(__file__).parent / "packages"))
+
+
+class Refused(Exception):
+    """The filter cannot do its work; the text is for the user."""
+
+
+def meshcore_itself():
+    """The package meshcore, or `Refused` with the cure. Imported late, so that the plugin loads without it."""
+    try:
+        import meshcore
+        import meshcore.gallery
+        import meshcore.io
+        import meshcore.quality
+    except ImportError as error:
+        raise Refused(
+            f"ParaView's Python cannot import {error.name or 'meshcore'} ({error}). Run `meshcore install paraview` "
+            "and start ParaView again, or put meshcore, numba and llvmlite on PYTHONPATH."
+        ) from error
+    if meshcore.__version__ != paraview_plugin_version:
+        raise Refused(
+            f"this plugin belongs to meshcore {paraview_plugin_version}, but ParaView's Python has meshcore "
+            f"{meshcore.__version__}. Run `meshcore install paraview` and start ParaView again."
+        )
+    return meshcore
+
+
+class Algorithm(VTKPythonAlgorithmBase):
+    """Base of all: keeps the properties, runs `make`, and tells its errors in one line.
+
+    A mesh generator needs its whole input, and gives its whole output: both belong to piece 0 of a parallel
+    pipeline, the other pieces are empty.
+    """
+
+    ports = ()  # of (name, cells, optional): what `conversion` makes of an input depends on its cells
+    output = "vtkUnstructuredGrid"
+    label = ""
+
+    def __init__(self):
+        super().__init__(nInputPorts=len(self.ports), nOutputPorts=1, outputType=self.output)
+        self.values = {}
+        self.extent = UNKNOWN_EXTENT
+        self.stamp = None
+        self.kept = (None, None)
+
+    def set(self, name, *values):
+        """Keep a property's value, and run again if it is new."""
+        value = values[0] if len(values) == 1 else values
+        if name not in self.values or self.values[name] != value:
+            self.values[name] = value
+            self.kept = (None, None)
+            self.stamp = None
+            self.Modified()
+
+    def make(self, inputs):
+        """The mesh or grid, and its report or None, of the inputs given by port name."""
+        raise NotImplementedError
+
+    # ---- the pipeline's requests
+
+    def FillInputPortInformation(self, port, info):
+        info.Set(vtkAlgorithm.INPUT_REQUIRED_DATA_TYPE(), "vtkDataSet")
+        info.Set(vtkAlgorithm.INPUT_IS_OPTIONAL(), int(self.ports[port][2]))
+        return 1
+
+    def RequestInformation(self, request, inInfo, outInfo):
+        info = outInfo.GetInformationObject(0)
+        info.Set(vtkAlgorithm.CAN_HANDLE_PIECE_REQUEST(), 1)
+        if self.output == "vtkStructuredGrid":
+            put_extent(info, self.extent if self.stamp == self.upstream() else UNKNOWN_EXTENT)
+        return 1
+
+    def RequestUpdateExtent(self, request, inInfo, outInfo):
+        # Piece 0 asks for all, the others for a piece past the end, so that nobody meshes a part as if it were all.
+        piece = outInfo.GetInformationObject(0).Get(vtkStreamingDemandDrivenPipeline.UPDATE_PIECE_NUMBER())
+        for port in range(len(self.ports)):
+            for k in range(inInfo[port].GetNumberOfInformationObjects()):
+                info = inInfo[port].GetInformationObject(k)
+                info.Set(vtkStreamingDemandDrivenPipeline.UPDATE_PIECE_NUMBER(), min(piece or 0, 1))
+                info.Set(vtkStreamingDemandDrivenPipeline.UPDATE_NUMBER_OF_PIECES(), 1)
+                info.Set(vtkStreamingDemandDrivenPipeline.UPDATE_NUMBER_OF_GHOST_LEVELS(), 0)
+        return 1
+
+    def RequestData(self, request, inInfo, outInfo):
+        info = outInfo.GetInformationObject(0)
+        if info.Get(vtkStreamingDemandDrivenPipeline.UPDATE_PIECE_NUMBER()):
+            return 1
+        return self.guarded(self.run, inInfo, info)
+
+    # ---- the work
+
+    def guarded(self, work, *arguments):
+        """Do some work; 1 if it went well, else 0 and one line for the user."""
+        try:
+            core = meshcore_itself()
+            with warnings.catch_warnings(record=True) as said:
+                warnings.simplefilter("always")
+                work(*arguments)
+        except Refused as error:
+            print_error(f"{self.label}: {error}")
+            return 0
+        except core.Cancelled:
+            print_warning(f"{self.label}: aborted, the result is empty")
+            return 1
+        except core.MeshcoreError as error:
+            print_error(f"{self.label}: {error}")
+            return 0
+        for warning in said:
+            print_warning(f"{self.label}: {warning.message}")
+        return 1
+
+    def run(self, inInfo, info):
+        """Make the result from the inputs and put it into the output."""
+        import meshcore
+
+        output = info.Get(vtkDataObject.DATA_OBJECT())
+        datasets = self.datasets(inInfo)
+        key = {name: (id(dataset), dataset.GetMTime()) for name, dataset in datasets.items()}
+        if self.kept[0] == key:
+            output.ShallowCopy(self.kept[1])
+            return
+        inputs = {}
+        try:
+            for name, cells, _ in self.ports:
+                if name in datasets:
+                    inputs[name] = converted(datasets[name], cells, name)
+            mesh, report = self.make(inputs)
+        except meshcore.InvalidGeometry as error:
+            raise Refused(f"{error}{place_of(error, inputs)}") from error
+        fill(output, mesh)
+        if report is not None:
+            fill_report(output, report)
+        if self.output == "vtkStructuredGrid":
+            self.announce(output, key, info)
+
+    def announce(self, output, key, info):
+        """Make the extent of a structured result known, and keep the result.
+
+        The pipeline asks for the whole extent before there is a grid. So a new extent is told afterwards, by asking
+        to be run again; that second run finds the grid ready made.
+        """
+        self.kept = (key, output.NewInstance())
+        self.kept[1].ShallowCopy(output)
+        if (self.stamp, self.extent) != (self.upstream(), output.GetExtent()):
+            self.stamp, self.extent = self.upstream(), output.GetExtent()
+            put_extent(info, self.extent)
+            self.Modified()
+
+    def upstream(self):
+        """When anything before this filter was last changed, for each port."""
+        executives = [
+            self.GetInputExecutive(p, 0) for p in range(len(self.ports)) if self.GetNumberOfInputConnections(p)
+        ]
+        return [executive.GetPipelineMTime() for executive in executives]
+
+    def datasets(self, inInfo):
+        """The connected inputs by the name of their port."""
+        found = {}
+        for (name, _, _), infos in zip(self.ports, inInfo or (), strict=False):
+            if infos.GetNumberOfInformationObjects():
+                found[name] = infos.GetInformationObject(0).Get(vtkDataObject.DATA_OBJECT())
+        return found
+
+    def progress(self, fraction, message):
+        """Tell ParaView how far things are; False once the user has asked to stop."""
+        self.SetProgressText(message)
+        self.UpdateProgress(fraction)
+        return not self.GetAbortExecute()
+
+
+class Operation(Algorithm):
+    """Base of the generated classes: one operation of meshcore's registry."""
+
+    operation = ""
+    called = set()  # operations that have run in this process, and are compiled
+
+    def make(self, inputs):
+        import meshcore
+
+        operation = meshcore.operations()[self.operation]
+        values = {name: value for name, value in self.values.items() if value is not BY_DEFAULT}
+        if self.operation not in self.called:
+            self.progress(0.0, "compiling, which the first call alone needs")
+        mesh, report = operation.function(**inputs, **values, progress=self.progress)
+        self.called.add(self.operation)
+        return mesh, report
+
+
+def put_extent(info, extent):
+    """Tell the pipeline the whole extent of a structured output; what was asked for before is out of date with it."""
+    info.Set(vtkStreamingDemandDrivenPipeline.WHOLE_EXTENT(), extent, 6)
+    info.Set(vtkStreamingDemandDrivenPipeline.UPDATE_EXTENT(), extent, 6)
+
+
+def converted(dataset, cells, name):
+    """What meshcore takes in place of the dataset at a port that wants ``cells``; an error names the port."""
+    from meshcore import InvalidGeometry
+
+    try:
+        if cells == "grid":
+            return grid_of(dataset)
+        return boundary_of(dataset) if cells == "lines" else mesh_of(dataset)[0]
+    except InvalidGeometry as error:
+        raise type(error)(f"{name}: {error}", points=error.points, cells=error.cells) from error
+
+
+def place_of(error, inputs):
+    """Where the error lies, as the coordinates of a few points; empty if it does not say."""
+    mesh = inputs.get(error.parameter) or next(iter(inputs.values()), None)
+    points = [k for k in error.points if mesh is not None and k < mesh.n_points]
+    if not points:
+        return ""
+    flat = mesh.points.swapaxes(0, -2).reshape(-1, 3)
+    shown = ", ".join("({:.6g}, {:.6g}, {:.6g})".format(*flat[k]) for k in points[:3])
+    return f" [at {shown}{' and elsewhere' if len(points) > 3 else ''}]"
