@@ -8,7 +8,7 @@ from .mesh import Mesh, MultiBlock, StructuredGrid
 from .operation import Length, Relative, operations
 from .progress import Progress, silent
 from .report import Report, Result
-from .structured import transfinite
+from .structured import o_grid, transfinite
 
 __all__ = [
     "Cancelled",
@@ -26,6 +26,7 @@ __all__ = [
     "Result",
     "StructuredGrid",
     "io",
+    "o_grid",
     "operations",
     "quality",
     "silent",

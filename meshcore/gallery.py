@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from importlib import resources
 from typing import Any
 
 import numpy as np
 
+from . import io
 from .errors import InvalidInput
-from .geometry.curves import lines_through
+from .geometry.curves import lines_through, polyline
 from .mesh import Mesh
+from .sizing.around_loop import respaced_loop
 
 
 def square(n: int = 1, *, size: float = 1.0) -> Mesh:
@@ -95,6 +98,76 @@ def wavy_sides(n: int = 16, m: int = 8) -> tuple[np.ndarray, np.ndarray, np.ndar
     return south, east, north, west
 
 
+def airfoils() -> list[str]:
+    """Names of the airfoils that meshcore ships, from the UIUC Airfoil Coordinates Database.
+
+    Examples
+    --------
+    >>> airfoils()
+    ['naca0012', 'rae2822', 's1223']
+    """
+    files = resources.files("meshcore").joinpath("data").iterdir()
+    return sorted(file.name[: -len(".dat")] for file in files if file.name.endswith(".dat"))
+
+
+def airfoil(name: str = "rae2822", *, cells: int | None = None) -> Mesh:
+    """A shipped airfoil as one closed loop of lines, counter-clockwise, chord about 1.
+
+    Parameters
+    ----------
+    name : str
+        One of `airfoils`.
+    cells : int, optional
+        Resample to so many lines, densely where the section bends; by default the file's own points.
+
+    Raises
+    ------
+    InvalidInput
+        If no such airfoil is shipped.
+
+    Examples
+    --------
+    >>> airfoil("rae2822")
+    Mesh(128 points, 128 line)
+    """
+    if name not in airfoils():
+        raise InvalidInput(f"{name!r} is not shipped; there are {', '.join(airfoils())}", parameter="name")
+    with resources.as_file(resources.files("meshcore").joinpath("data", f"{name}.dat")) as path:
+        section = io.read(path)
+    if cells is None:
+        return section
+    return lines_through(respaced_loop(polyline(section)[:-1, :2], cells), closed=True)
+
+
+def airfoil_in_far_field(
+    name: str = "rae2822", *, radius: float = 10.0, cells: int | None = None, outer: int = 48
+) -> Mesh:
+    """A shipped airfoil inside a circle: ``cell_data["tag"]`` is 1 on the far field, 2 on the section.
+
+    Parameters
+    ----------
+    name : str
+        One of `airfoils`.
+    radius : float
+        Radius of the circle about mid-chord, in chords.
+    cells : int, optional
+        Lines on the section; by default the file's own points.
+    outer : int
+        Lines on the circle.
+
+    Raises
+    ------
+    InvalidInput
+        If no such airfoil is shipped.
+
+    Examples
+    --------
+    >>> airfoil_in_far_field("naca0012", outer=32)
+    Mesh(101 points, 101 line)
+    """
+    return joined(circle(outer, radius=radius, centre=(0.5, 0.0)), airfoil(name, cells=cells))
+
+
 def triangulated_square(n: int = 4) -> Mesh:
     """Unit square of ``2 n^2`` right triangles, with the point field "front" that is steep along a circle.
 
@@ -127,6 +200,7 @@ def arguments(identifier: str) -> tuple[tuple[Any, ...], dict[str, Any]]:
     Mesh(45 points, 45 line)
     """
     calls: dict[str, tuple[tuple[Any, ...], dict[str, Any]]] = {
+        "o_grid": ((airfoil("naca0012"),), {"radius": 4.0, "first_height": 0.01, "growth": 1.3}),
         "transfinite": (tuple(lines_through(side) for side in wavy_sides()), {}),
         "delaunay_refinement": ((square_with_hole(),), {"min_angle": 30.0}),
         "refined": ((triangulated_square(),), {"indicator": "front", "levels": 2}),

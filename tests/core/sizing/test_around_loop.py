@@ -1,0 +1,99 @@
+"""Turning, corners and new spacing of closed loops."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from meshcore import gallery
+from meshcore.errors import InvalidInput
+from meshcore.geometry.curves import polyline
+from meshcore.sizing.around_loop import accumulated, corners, respaced_loop, smoothed_turning, turning
+
+SECTIONS = {name: polyline(gallery.airfoil(name))[:-1, :2] for name in gallery.airfoils()}
+
+
+def area(loop):
+    x, y = loop.T
+    return 0.5 * (x * np.roll(y, -1) - y * np.roll(x, -1)).sum()
+
+
+@pytest.mark.parametrize("loop", SECTIONS.values(), ids=SECTIONS)
+def test_the_whole_turning_is_one_round(loop):
+    assert turning(loop).sum() == pytest.approx(2 * np.pi, abs=1e-12)
+    assert turning(loop[::-1]).sum() == pytest.approx(-2 * np.pi, abs=1e-12)
+
+
+@pytest.mark.parametrize(("name", "count"), [("rae2822", 1), ("s1223", 1), ("naca0012", 2)])
+def test_corners_of_airfoils_are_those_of_the_trailing_edge(name, count):
+    loop = SECTIONS[name]
+    found = loop[corners(turning(loop))]
+    assert len(found) == count and (found[:, 0] > 0.999).all()
+
+
+def test_a_coarse_round_has_no_corners_and_a_polygon_has_them_all():
+    round_ = gallery.circle(9).points[:, :2]
+    assert not corners(turning(round_)).any()
+    square = gallery.square(5).points[:, :2]
+    assert np.flatnonzero(corners(turning(square))).tolist() == [0, 5, 10, 15]
+    assert corners(turning(gallery.l_shape(4).points[:, :2])).sum() == 6
+
+
+@given(st.integers(0, 10**6), st.floats(0.002, 0.2))
+def test_smoothing_keeps_the_sum_and_spreads_as_a_gaussian(seed, width):
+    rng = np.random.default_rng(seed)
+    at, weight = np.sort(rng.random(12)), rng.normal(size=12)
+    assert smoothed_turning(at, weight, width).sum() == pytest.approx(weight.sum(), abs=1e-9)
+    one = smoothed_turning(np.array([0.5]), np.array([1.0]), min(width, 0.05))
+    place = np.arange(4096) / 4096 - 0.5
+    assert np.sqrt((one * place**2).sum()) == pytest.approx(min(width, 0.05), rel=1e-3)
+
+
+def test_accumulated_counts_on_around_the_loop():
+    density = 1 + np.sin(2 * np.pi * np.arange(4096) / 4096)
+    at = np.linspace(-1.5, 2.5, 41)
+    exact = at - (np.cos(2 * np.pi * at) - 1) / (2 * np.pi)
+    assert np.abs(accumulated(density, at) - exact).max() < 1e-6
+
+
+@pytest.mark.parametrize("loop", SECTIONS.values(), ids=SECTIONS)
+@pytest.mark.parametrize("cells", [40, 131, 400])
+def test_respaced_airfoils_keep_corners_shape_and_smoothness(loop, cells):
+    new = respaced_loop(loop, cells)
+    assert new.shape == (cells, 2) and (new[0] == loop[0]).all()
+    kept = loop[corners(turning(loop))]
+    assert {tuple(p) for p in kept} <= {tuple(p) for p in new}
+    if cells >= 131:
+        assert area(new) == pytest.approx(area(loop), rel=5e-3)
+        # No old point is farther from the new loop than the sag of the old one's own lines.
+        nearest = np.min(np.linalg.norm(new[:, None] - loop[None], axis=-1), axis=1)
+        step = np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1).max()
+        assert nearest.max() < 0.6 * step
+    steps = np.linalg.norm(np.roll(new, -1, axis=0) - new, axis=1)
+    turn = np.abs(turning(new))
+    round_ = ~corners(turning(new))
+    assert np.degrees(turn[round_]).max() < 60 * 40 / cells + 10
+    if cells == 400 and len(kept) == 1:
+        ratio = steps[1:] / steps[:-1]
+        assert max(ratio.max(), 1 / ratio.min()) < 1.35
+
+
+@given(st.integers(4, 90))
+def test_a_square_keeps_its_corners_and_straight_sides(cells):
+    square = gallery.square(3).points[:, :2]
+    new = respaced_loop(square, cells)
+    assert len(new) == cells
+    assert {(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)} <= {tuple(p) for p in new.round(12)}
+    assert area(new) == pytest.approx(1, abs=1e-12)
+    steps = np.linalg.norm(np.roll(new, -1, axis=0) - new, axis=1)
+    assert steps.min() > 0
+
+
+def test_a_round_loop_lies_on_its_circle():
+    new = respaced_loop(gallery.circle(24).points[:, :2], 100)
+    assert np.abs(np.hypot(*new.T) - 1).max() < 1e-4
+
+
+def test_too_few_cells():
+    with pytest.raises(InvalidInput, match="4 corners"):
+        respaced_loop(gallery.square(2).points[:, :2], 3)

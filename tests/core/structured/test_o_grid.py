@@ -1,0 +1,177 @@
+"""O-grids: sound cells around airfoils and other loops, walls at right angles, and clear refusals."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import meshcore as mc
+from meshcore import gallery
+from meshcore.errors import Cancelled, GenerationFailed, InvalidGeometry, InvalidInput
+from meshcore.geometry.curves import lines_through, polyline
+from tests import naive
+
+
+def assert_sound(grid):
+    points = grid.points[:, :, 0]
+    assert (naive.cross_areas(points) > 0).all()
+    assert (points[0] == points[-1]).all() and grid.periodic == (True, False, False)
+
+
+@pytest.mark.parametrize("name", gallery.airfoils())
+@pytest.mark.parametrize("keywords", [{}, {"around": 160, "first_height": 1e-5, "layers": 80}, {"radius": 1.5}])
+def test_airfoils(name, keywords):
+    section = gallery.airfoil(name)
+    grid, report = mc.o_grid(section, **keywords)
+    assert_sound(grid)
+    wall, outer = grid.points[:, 0, 0], grid.points[:, -1, 0]
+    height = keywords.get("first_height", 0.001 * section.diagonal)
+    assert np.abs(np.linalg.norm(grid.points[:, 1, 0] - wall, axis=1) / height - 1).max() < 1e-6
+    nose = wall[np.argmax(np.linalg.norm(wall - wall[0], axis=1))]
+    far = np.linalg.norm(outer - 0.5 * (nose + wall[0]), axis=1) / np.linalg.norm(wall[0] - nose)
+    assert np.ptp(far) < 0.01 and far.mean() == pytest.approx(keywords.get("radius", 10.0), rel=1e-3)
+    if "around" not in keywords:
+        loop = polyline(section)[:-1]
+        assert {tuple(p) for p in wall} == {tuple(p) for p in loop}
+    if "layers" not in keywords:
+        assert report.quality["largest growth"] <= 1.15
+    assert wall[0, 0] > 0.99  # cut at the trailing edge
+
+
+@pytest.mark.parametrize("name", gallery.airfoils())
+def test_lines_leave_the_wall_at_right_angles(name):
+    grid, _ = mc.o_grid(gallery.airfoil(name), around=200, first_height=1e-4)
+    points = grid.points[:, :, 0]
+    tangent = points[2:, 0] - points[:-2, 0]
+    away = points[1:-1, 1] - points[1:-1, 0]
+    cosine = (tangent * away).sum(axis=1) / np.linalg.norm(tangent, axis=1) / np.linalg.norm(away, axis=1)
+    assert (np.abs(np.degrees(np.arcsin(cosine)))[5:-5] < 8).all()
+
+
+def test_the_cut_follows_the_trailing_edges_bisector():
+    grid, _ = mc.o_grid(gallery.airfoil("rae2822"))
+    points = grid.points[:, :, 0]
+    upper, lower = points[-2, 0] - points[0, 0], points[1, 0] - points[0, 0]
+    bisector = -(upper / np.linalg.norm(upper) + lower / np.linalg.norm(lower))
+    way = points[0, -1] - points[0, 0]
+    assert np.cross(bisector, way)[2] / np.linalg.norm(bisector) / np.linalg.norm(way) == pytest.approx(0, abs=1e-9)
+
+
+def test_around_a_circle_it_is_the_polar_grid():
+    grid, _ = mc.o_grid(gallery.circle(40), radius=4, layers=10, first_height=0.1)
+    points = grid.points[:, :, 0]
+    radii = np.hypot(points[..., 0], points[..., 1])
+    assert np.ptp(radii, axis=0).max() < 1e-9  # the chord is the diameter
+    assert radii[0, [0, 1, -1]] == pytest.approx([1, 1.1, 8], rel=1e-9)
+    angles = np.unwrap(np.arctan2(points[..., 1], points[..., 0]), axis=0)
+    assert np.abs(np.diff(angles, axis=0) + 2 * np.pi / 40).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    "loop",
+    [gallery.square(), gallery.square(7), gallery.l_shape(6), gallery.circle(3), gallery.circle(64)],
+    ids=["square", "square 7", "L", "triangle", "circle"],
+)
+def test_other_loops(loop):
+    grid, _ = mc.o_grid(loop, radius=3, first_height=0.02)
+    assert_sound(grid)
+    assert grid.cell_shape[0] == loop.n_cells
+
+
+@given(st.integers(0, 10**6), st.floats(0, 0.25), st.integers(2, 5), st.integers(24, 90))
+@settings(max_examples=25)
+def test_wavy_rounds(seed, depth, waves, n):
+    rng = np.random.default_rng(seed)
+    angle = np.sort(2 * np.pi * (np.arange(n) + 0.4 * rng.random(n)) / n)
+    r = 1 + depth * np.sin(waves * angle + rng.random()) / waves
+    grid, _ = mc.o_grid(np.column_stack([r * np.cos(angle), r * np.sin(angle)])[np.r_[0:n, 0]], radius=4)
+    assert_sound(grid)
+
+
+def test_direction_start_and_place_of_the_loop_do_not_matter():
+    loop = polyline(gallery.airfoil("s1223"))[:-1]
+    first, _ = mc.o_grid(np.vstack([loop, loop[:1]]))
+    for other in (loop[::-1], np.roll(loop, 37, axis=0)):
+        grid, _ = mc.o_grid(np.vstack([other, other[:1]]))
+        assert np.abs(grid.points - first.points).max() < 1e-9
+    moved, _ = mc.o_grid(np.vstack([loop, loop[:1]]) * 250 + [3, -4, 7])
+    assert np.abs(moved.points - (first.points * 250 + [3, -4, 7])).max() < 1e-6
+
+
+def test_a_section_in_a_tilted_plane_is_gridded_in_that_plane():
+    loop = polyline(gallery.airfoil("naca0012"))
+    tilt = np.linalg.qr(np.random.default_rng(5).random((3, 3)))[0]
+    flat, _ = mc.o_grid(loop, first_height=0.001)
+    tilted, _ = mc.o_grid(loop @ tilt.T + 2, first_height=0.001)
+    back = (tilted.points - 2) @ tilt
+    assert np.abs(back[..., 2]).max() < 1e-12
+    # A plane in space has no upper side, so the grid may run the other way round.
+    assert min(np.abs(back - flat.points).max(), np.abs(back[::-1] - flat.points).max()) < 1e-6
+
+
+def test_a_mesh_in_any_order_and_a_chosen_cut():
+    loop = gallery.circle(24)
+    order = np.random.default_rng(3).permutation(24)
+    shuffled = mc.Mesh(loop.points[order], {"line": np.argsort(order)[loop.get("line")]})
+    grid, _ = mc.o_grid(shuffled, cut=int(np.argsort(order)[9]), radius=3)
+    assert (grid.points[0, 0, 0] == loop.points[9]).all()
+    assert_sound(grid)
+
+
+def test_repeated_points_are_left_out_with_a_warning():
+    loop = polyline(gallery.circle(12))
+    grid, report = mc.o_grid(np.insert(loop, 5, loop[5], axis=0), radius=3)
+    assert grid.cell_shape[0] == 12 and "1 repeated" in report.warnings[0]
+
+
+def bay():
+    """A ring with a narrow mouth: no straight ray leads out of it."""
+    outer = np.radians(np.linspace(20, 340, 33))
+    inner = outer[::-1]
+    ring = np.concatenate(
+        [np.column_stack([np.cos(outer), np.sin(outer)]), 0.7 * np.column_stack([np.cos(inner), np.sin(inner)])]
+    )
+    return lines_through(ring, closed=True)
+
+
+CIRCLE = polyline(gallery.circle(12))
+
+
+@pytest.mark.parametrize(
+    ("section", "keywords", "error", "words"),
+    [
+        (CIRCLE[:-1], {}, InvalidGeometry, "open"),
+        (np.zeros((4, 3)), {}, InvalidGeometry, "different points"),
+        (np.array([[0, 0], [1, 0], [2, 0], [0, 0.0]]), {}, InvalidGeometry, "no area"),
+        (np.array([[0, 0], [1, 0], [0, 0], [1, 0], [0, 0.0]]), {}, InvalidGeometry, "no area"),
+        (np.array([[0, 0], [1, np.nan], [1, 1], [0, 0.0]]), {}, InvalidGeometry, "finite"),
+        (CIRCLE + 0.1 * CIRCLE[:, [2, 2, 0]] ** 2, {}, InvalidGeometry, "plane"),
+        (gallery.joined(gallery.circle(12), gallery.circle(6)), {}, InvalidGeometry, "one chain"),
+        (bay(), {}, GenerationFailed, "folded"),
+        (np.array([[0, 0], [2, 2], [2, 0], [0, 1.5], [0, 0]]), {}, GenerationFailed, "folded"),
+        (CIRCLE, {"radius": 0.5}, InvalidInput, "radius: must be at least 1"),
+        (CIRCLE, {"first_height": 0.0}, InvalidInput, "first_height"),
+        (CIRCLE, {"first_height": 15.0}, InvalidInput, "first_height: is 15"),
+        (CIRCLE, {"first_height": 9.0, "layers": 200}, InvalidInput, "first_height: 9 does not fit 200"),
+        (CIRCLE, {"growth": 1.0}, InvalidInput, "growth"),
+        (CIRCLE, {"layers": 0}, InvalidInput, "layers"),
+        (CIRCLE, {"cut": 12}, InvalidInput, "cut: 12 is no point"),
+        (gallery.square(3), {"around": 3}, InvalidInput, "around: 3 cells are too few"),
+    ],
+)
+def test_bad_input_gets_a_clear_error(section, keywords, error, words):
+    with pytest.raises(error, match=words):
+        mc.o_grid(section, **keywords)
+
+
+def test_a_failure_shows_where():
+    with pytest.raises(GenerationFailed) as caught:
+        mc.o_grid(bay())
+    partial = caught.value.partial
+    bad = (naive.cross_areas(partial.points[:, :, 0]) <= 0).any(axis=-1)
+    assert set(caught.value.cells) == set(np.flatnonzero(bad.ravel(order="F")))
+
+
+def test_stops_when_told():
+    with pytest.raises(Cancelled):
+        mc.o_grid(gallery.circle(12), progress=lambda fraction, message: fraction < 0.4)
