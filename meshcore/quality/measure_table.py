@@ -13,6 +13,7 @@ SMALLER_IS_BETTER = frozenset(
         "aspect_gamma",
         "aspect_ratio",
         "condition",
+        "edge_jump",
         "face_skewness",
         "max_angle",
         "max_aspect_frobenius",

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import InvalidInput
 from ..mesh import CELL_TYPES, Mesh, StructuredGrid
-from . import hexahedron, pyramid, quad, tetra, triangle, wedge
+from . import hexahedron, neighbours, pyramid, quad, tetra, triangle, wedge
 from .measure_table import Measure
 from .vectors import corners
 
@@ -24,7 +24,7 @@ BY_KIND: dict[str, dict[str, Measure]] = {
 
 
 def measures(kind: str | None = None) -> tuple[str, ...]:
-    """Names of the measures of one kind of cell, or of any.
+    """Names of the measures of one kind of cell, or of any; with those between a cell and its neighbours.
 
     Parameters
     ----------
@@ -43,10 +43,16 @@ def measures(kind: str | None = None) -> tuple[str, ...]:
     ('aspect_frobenius', 'aspect_gamma', 'aspect_ratio')
     """
     if kind is None:
-        return tuple(sorted({name for table in BY_KIND.values() for name in table}))
+        return tuple(sorted({name for table in (*BY_KIND.values(), neighbours.MEASURES) for name in table}))
     if kind not in CELL_TYPES:
         raise InvalidInput(f"{kind!r} is no kind of cell; known are {', '.join(CELL_TYPES)}", parameter="kind")
-    return tuple(sorted(BY_KIND.get(corner_kind(kind), {})))
+    table = BY_KIND.get(corner_kind(kind), {})
+    return tuple(sorted(table.keys() | neighbours.MEASURES.keys())) if table else ()
+
+
+def lookup(kind: str, name: str) -> Measure | None:
+    """The measure of a kind of cell by name, if it has one."""
+    return BY_KIND.get(corner_kind(kind), {}).get(name) or neighbours.MEASURES.get(name)
 
 
 def corner_kind(kind: str) -> str:
@@ -68,6 +74,7 @@ def measure(mesh: Mesh | StructuredGrid, name: str) -> np.ndarray:
     -------
     (number of cells,) or (ni-1, nj-1, max(nk-1, 1)) float
         nan where the measure is not defined for the kind of cell. Infinite where Verdict answers its largest number.
+        Of measures between neighbours the worst of the cell's facets.
 
     Raises
     ------
@@ -84,6 +91,10 @@ def measure(mesh: Mesh | StructuredGrid, name: str) -> np.ndarray:
     if isinstance(mesh, StructuredGrid):
         shape = mesh.cell_shape
         return measure(mesh.to_mesh(), name).reshape(shape[::-1]).swapaxes(0, 2).copy()
+    if name in neighbours.MEASURES:
+        if mesh.dimension < 2:
+            return np.full(mesh.n_cells, np.nan)
+        return neighbours.per_cell(mesh, neighbours.MEASURES[name].function(mesh))
     values = np.full(mesh.n_cells, np.nan)
     for kind in {corner_kind(kind) for kind in mesh.cells} & BY_KIND.keys():
         # Cells of one kind are measured together: sizes are compared with their common mean.

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
-
 import numpy as np
 
+from ..geometry import predicates
 from ..mesh import CELL_TYPES, Mesh
 from . import solid
 from .vectors import corners as corners_of
@@ -59,7 +58,8 @@ def determinant_sign(points: np.ndarray, simplices: np.ndarray) -> np.ndarray:
     References
     ----------
     The filter is stage A of J. R. Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric
-    predicates", Discrete Comput. Geom. 18 (1997); what it leaves open is settled in rational numbers.
+    predicates", Discrete Comput. Geom. 18 (1997); what it leaves open is settled by `geometry.predicates`. Most cells
+    of a mesh are decided here, by whole arrays at a time.
 
     Examples
     --------
@@ -69,9 +69,10 @@ def determinant_sign(points: np.ndarray, simplices: np.ndarray) -> np.ndarray:
     with np.errstate(over="ignore", invalid="ignore"):  # infinite and nan values go to the exact stage
         value, bound = (_area_and_bound if points.shape[1] == 2 else _volume_and_bound)(points, simplices)
     sign = np.sign(value).astype(int)
-    for k in np.flatnonzero(~(np.abs(value) > bound)):
-        exact = _exact_determinant([[Fraction(float(v)) for v in p] for p in points[simplices[k]]])
-        sign[k] = (exact > 0) - (exact < 0)
+    unsure = np.flatnonzero(~(np.abs(value) > bound))
+    if len(unsure):
+        exact = predicates.orient2d if points.shape[1] == 2 else predicates.orient3d
+        sign[unsure] = exact(*(points[nodes] for nodes in simplices[unsure].T))
     return sign
 
 
@@ -90,15 +91,6 @@ def _volume_and_bound(points: np.ndarray, simplices: np.ndarray) -> tuple[np.nda
     value = sum(u * (v * w - s * t) for u, v, w, s, t in terms)
     size = sum(np.abs(u) * (np.abs(v * w) + np.abs(s * t)) for u, v, w, s, t in terms)
     return value, (7 + 56 * _UNIT) * _UNIT * size
-
-
-def _exact_determinant(corners: list[list[Fraction]]) -> Fraction:
-    first, *others = corners
-    rows = [[v - w for v, w in zip(other, first, strict=True)] for other in others]
-    if len(rows) == 2:
-        return rows[0][0] * rows[1][1] - rows[0][1] * rows[1][0]
-    (a, b, c), (d, e, f), (g, h, i) = rows
-    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
 
 
 def _in_plane(plane: np.ndarray, cells: np.ndarray) -> np.ndarray:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 
 from ..mesh import CELL_TYPES, Mesh, StructuredGrid
-from .measures import measure
+from .measure_table import SMALLER_IS_BETTER
+from .measures import lookup, measure
 
 
 def summary(mesh: Mesh | StructuredGrid) -> dict[str, float]:
@@ -50,3 +54,178 @@ def summary(mesh: Mesh | StructuredGrid) -> dict[str, float]:
     values = {label: (measure(top, name), reduce) for label, name, reduce in (planar if mesh.dimension == 2 else solid)}
     found = {label: (v[~np.isnan(v)], reduce) for label, (v, reduce) in values.items()}
     return {label: float(reduce(v)) for label, (v, reduce) in found.items() if len(v)}
+
+
+DEFAULT_MEASURES = {
+    2: ("min_angle", "max_angle", "radius_ratio", "scaled_jacobian", "shape", "size_jump"),
+    3: ("volume", "scaled_jacobian", "shape", "non_orthogonality", "face_skewness", "size_jump"),
+}
+PERCENTILES = (1, 50, 99)
+WORST = 10
+BINS = 12
+_BARS = " ▏▎▍▌▋▊▉█"
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """One measure of all cells that have it.
+
+    Attributes
+    ----------
+    name, unit : str
+        Of the measure.
+    count : int
+        Cells that have it.
+    minimum, mean, maximum : float
+        Over these cells; the mean over the finite values.
+    percentiles : tuple of float
+        At `PERCENTILES`.
+    acceptable : tuple of two float
+        Range of well-shaped cells, of the first kind that has the measure.
+    outside : int
+        Cells outside the acceptable range of their own kind.
+    worst : (at most WORST,) int
+        Numbers of the worst cells, the worst first.
+    histogram : tuple of (BINS,) int and (BINS + 1,) float
+        Counts and edges over the finite values, ready for a bar chart.
+    """
+
+    name: str
+    unit: str
+    count: int
+    minimum: float
+    mean: float
+    maximum: float
+    percentiles: tuple[float, ...]
+    acceptable: tuple[float, float]
+    outside: int
+    worst: np.ndarray
+    histogram: tuple[np.ndarray, np.ndarray]
+
+
+@dataclass(frozen=True, eq=False)
+class QualityReport:
+    """The quality of a mesh, as numbers and as text.
+
+    Attributes
+    ----------
+    mesh : str
+        What was looked at.
+    rows : dict of str to Row
+        By the name of the measure.
+    """
+
+    mesh: str
+    rows: dict[str, Row]
+
+    def table(self) -> str:
+        """The numbers, a line a measure."""
+        titles = ("measure", "cells", "min", "mean", "max", *(f"{p}%" for p in PERCENTILES), "acceptable", "outside")
+        lines = [titles]
+        for row in self.rows.values():
+            numbers = (row.minimum, row.mean, row.maximum, *row.percentiles)
+            accepted = "{:.4g} to {:.4g}".format(*row.acceptable).replace("to inf", "up").replace("-inf to", "up to")
+            label = f"{row.name} ({row.unit})" if row.unit else row.name
+            lines.append((label, f"{row.count:,}", *(f"{v:.4g}" for v in numbers), accepted, f"{row.outside:,}"))
+        widths = [max(len(line[k]) for line in lines) for k in range(len(titles))]
+        return "\n".join(
+            "  ".join([line[0].ljust(widths[0]), *(t.rjust(w) for t, w in zip(line[1:], widths[1:], strict=True))])
+            for line in lines
+        )
+
+    def chart(self, name: str, width: int = 40) -> str:
+        """The histogram of one measure as text."""
+        row = self.rows[name]
+        counts, edges = row.histogram
+        unit = 8 * width / max(int(counts.max(initial=0)), 1)
+        lines = [f"{name}, worst cells {', '.join(map(str, row.worst.tolist()))}"]
+        for count, low, high in zip(counts.tolist(), edges[:-1], edges[1:], strict=True):
+            full, part = divmod(max(round(count * unit), 1 if count else 0), 8)
+            bar = "█" * full + _BARS[part].strip()
+            lines.append(f"{low:>10.4g} {high:>10.4g}  {bar:<{width}}  {count:,}".rstrip())
+        return "\n".join(lines)
+
+    def __str__(self) -> str:
+        charts = [self.chart(name) for name, row in self.rows.items() if row.histogram[0].sum()]
+        return "\n\n".join([f"{self.mesh}\n{self.table()}", *charts])
+
+
+def report(mesh: Mesh | StructuredGrid, measures: Sequence[str] | None = None) -> QualityReport:
+    """Look at the quality of a mesh by several measures.
+
+    Parameters
+    ----------
+    mesh : Mesh or StructuredGrid
+        Any mixture of cells.
+    measures : sequence of str, optional
+        Names; by default a choice that suits the largest dimension of the cells.
+
+    Returns
+    -------
+    QualityReport
+        Prints as a table and text histograms.
+
+    Raises
+    ------
+    InvalidInput
+        If a name is not known.
+
+    Examples
+    --------
+    >>> from meshcore import gallery
+    >>> print(report(gallery.triangulated_square(2), ["min_angle"]).table())
+    measure             cells  min  mean  max  1%  50%  99%  acceptable  outside
+    min_angle (degree)      8   45    45   45  45   45   45    30 to 60        0
+    """
+    if isinstance(measures, str):
+        measures = (measures,)
+    what = repr(mesh)
+    if isinstance(mesh, StructuredGrid):
+        mesh = mesh.to_mesh()
+    names = DEFAULT_MEASURES.get(mesh.dimension, ()) if measures is None else tuple(measures)
+    rows = ((name, _row(mesh, name)) for name in names)
+    return QualityReport(what, {name: row for name, row in rows if row is not None})
+
+
+def _row(mesh: Mesh, name: str) -> Row | None:
+    """The numbers of one measure, or None if no cell has it."""
+    values = measure(mesh, name)
+    cells = np.flatnonzero(~np.isnan(values))
+    if not len(cells):
+        return None
+    low, high = np.full(mesh.n_cells, np.nan), np.full(mesh.n_cells, np.nan)
+    tables = [(lookup(kind, name), where) for kind, _, where in mesh.blocks()]
+    for table, where in tables:
+        if table:
+            low[where], high[where] = table.acceptable
+    first = next(table for table, where in tables if table and not np.isnan(values[where]).all())
+    values, low, high = values[cells], low[cells], high[cells]
+    slack = 1e-12 * np.where(np.isfinite(high), np.abs(high), 1.0)  # a perfect cell must not fail by rounding
+    below, above = values < low - slack, values > high + slack
+    # A value beyond the good end of the scale, such as a negative condition number, is worst of all.
+    badness = np.where(below, np.inf, values) if name in SMALLER_IS_BETTER else np.where(above, np.inf, -values)
+    finite = values[np.isfinite(values)]
+    return Row(
+        name,
+        first.unit,
+        len(cells),
+        float(values.min()),
+        float(finite.mean()) if len(finite) else float("nan"),
+        float(values.max()),
+        tuple(float(v) for v in np.percentile(values, PERCENTILES, method="nearest")),
+        tuple(float(v) for v in first.acceptable),
+        int((below | above).sum()),
+        cells[np.argsort(-badness, kind="stable")[:WORST]],
+        _histogram(finite),
+    )
+
+
+def _histogram(finite: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Counts and edges; a few bins only if all values are the same but for rounding."""
+    if not len(finite):
+        return np.zeros(BINS, int), np.linspace(0, 1, BINS + 1)
+    low, high = float(finite.min()), float(finite.max())
+    if high - low <= 1e-9 * max(abs(low), abs(high), np.finfo(float).tiny):
+        middle, half = (low + high) / 2, max(abs(low) * 1e-3, 1e-3)
+        low, high = middle - half, middle + half
+    return np.histogram(finite, bins=BINS, range=(low, high))

@@ -1,8 +1,9 @@
 """Verdict's measures of wedges. The manual of 2007 has the volume alone; the others are defined in Verdict's code.
 
 Verdict norms its measures by rounded constants (1.16477; 0.433013 / 0.866025), here they are exact: aspect and
-condition differ by 3.4e-6, distortion by 1.2e-6 of their values. Where an edge has no length, the scaled Jacobian is 0 or
-less, where Verdict's depends on the order of its comparisons with nan. The acceptable ranges are those of hexahedra.
+condition differ by 3.4e-6, distortion by 1.2e-6 of their values. Where an edge has no length, the scaled Jacobian is
+0 or less, where Verdict's depends on the order of its comparisons with nan. The acceptable ranges are those of
+hexahedra.
 """
 
 from __future__ import annotations
