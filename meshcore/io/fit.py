@@ -63,7 +63,8 @@ def fitted(mesh: Any, holds: Holds, name: str) -> Mesh | StructuredGrid | MultiB
         raise InvalidInput("is a Result; write its first part: mesh, report = ...", parameter="mesh")
     if not isinstance(mesh, (Mesh, StructuredGrid, MultiBlock)):
         raise InvalidInput(f"needs a Mesh, StructuredGrid or MultiBlock, got {type(mesh).__name__}", parameter="mesh")
-    if holds.blocks:
+    several = isinstance(mesh, MultiBlock) and len(mesh.blocks) > 1
+    if holds.blocks and not (holds.cells and (isinstance(mesh, Mesh) or (several and holds.blocks == 1))):
         return _fitted_grid(mesh, holds, name)
     if isinstance(mesh, MultiBlock):
         from .vtk_data import joined
