@@ -69,8 +69,8 @@ MEASURES = (
     "volume",
     "warpage",
 )
-READS = "dat off poly ele node"
-WRITES = "dat off poly ele node"
+READS = "dat off xyz p3d x g su2 poly ele node"
+WRITES = "dat off xyz p3d x g su2 poly ele node"
 
 
 # ---- VTK datasets to meshcore meshes and back, by whole arrays.

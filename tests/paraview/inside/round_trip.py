@@ -1,0 +1,175 @@
+"""Every operation: geometry in ParaView, through the filter, back, written, read again."""
+
+from __future__ import annotations
+
+import gc
+
+import numpy as np
+import paraview.simple as pv
+from datasets import assert_same, content, fetched, of_mesh, polylines, producer, texts, unstructured
+from harness import OUT, load_plugin, run_checks
+
+import meshcore
+from meshcore import gallery
+from meshcore.geometry.curves import lines_through
+
+load_plugin()
+
+
+def camel(name):
+    return name.title().replace("_", "")
+
+
+def panel_value(param, value):
+    """What a user would type in the panel for a value of meshcore's."""
+    return 0 if value is None else value
+
+
+def meshcore_value(param, value):
+    """What a value in the panel means to meshcore."""
+    if param.array:
+        return "" if value == "None" else value
+    if param.size > 1:
+        return tuple(value)
+    if param.kind == "bool":
+        return bool(value)
+    return None if param.optional and not value else value
+
+
+def labels_of(operation):
+    """Names of the inputs in a script: Input if there is one, else by their labels."""
+    ports = list(operation.inputs)
+    return ["Input"] if len(ports) == 1 else [camel(name) for name in ports]
+
+
+def filter_and_call(identifier, inputs=None, **more):
+    """The filter on the gallery's model, and meshcore called with what its panel says."""
+    operation = meshcore.operations()[identifier]
+    given, keywords = gallery.arguments(identifier)
+    given = given if inputs is None else inputs
+    keywords = {**keywords, **more}
+    sources = [producer(of_mesh(mesh)) for mesh in given]
+    create = getattr(pv, "meshcore" + operation.label.replace(" ", ""))
+    shown = {camel(name): panel_value(operation.params[name], value) for name, value in keywords.items()}
+    proxy = create(**dict(zip(labels_of(operation), sources, strict=False)), **shown)
+    values = {p.name: meshcore_value(p, getattr(proxy, camel(p.name))) for p in operation.params.values()}
+    return proxy, operation.function(*given, **values).mesh
+
+
+def assert_same_mesh(dataset, mesh):
+    if isinstance(mesh, meshcore.StructuredGrid):
+        assert dataset.GetClassName() == "vtkStructuredGrid"
+        assert tuple(dataset.GetDimensions()) == mesh.shape
+        points = [
+            mesh.points[i, j, k]
+            for k in range(mesh.shape[2])
+            for j in range(mesh.shape[1])
+            for i in range(mesh.shape[0])
+        ]
+        np.testing.assert_array_equal(content(dataset)[0], points)
+        assert dataset.GetNumberOfCells() == mesh.n_cells
+    else:
+        assert dataset.GetClassName() == "vtkUnstructuredGrid"
+        assert_same(dataset, mesh.points, mesh.cells, mesh.cell_data, mesh.point_data)
+
+
+def check_every_operation_is_there(operation):
+    label = meshcore.operations()[operation].label
+    assert callable(getattr(pv, "meshcore" + label.replace(" ", "")))
+
+
+def check_round_trip(operation):
+    proxy, mesh = filter_and_call(operation)
+    assert mesh.n_cells > 3
+    assert_same_mesh(fetched(proxy), mesh)
+
+
+def check_saved_and_read_again(operation):
+    proxy, mesh = filter_and_call(operation)
+    grid = isinstance(mesh, meshcore.StructuredGrid)
+    path = str(OUT / f"{operation}.{'vts' if grid else 'vtu'}")
+    pv.SaveData(path, proxy=proxy)
+    reader = pv.XMLStructuredGridReader if grid else pv.XMLUnstructuredGridReader
+    assert_same_mesh(fetched(reader(FileName=[path])), mesh)
+
+
+def check_report_is_in_the_field_data(operation):
+    proxy, mesh = filter_and_call(operation)
+    rows = texts(fetched(proxy).GetFieldData(), "report")
+    assert f"points: {mesh.n_points:,}" in rows, rows
+    assert any(row.startswith("seconds: ") for row in rows), rows
+
+
+def check_survives_garbage_collection(operation):
+    proxy, mesh = filter_and_call(operation)
+    proxy.UpdatePipeline()
+    for _ in range(3):
+        gc.collect()
+        np.random.default_rng(7).random(1_000_000)  # so that freed memory is written over
+    assert_same_mesh(fetched(proxy), mesh)
+
+
+def check_vectors_choices_and_numbers_reach_the_operation():
+    loop = lines_through([[0, 0], [2, 0], [3, 0.2], [3, 1], [2, 1.5], [0, 1], [-0.2, 0.5]], closed=True)
+    corners = (0, 2, 4, 5)
+    proxy, mesh = filter_and_call("transfinite", (loop,), cells_i=5, cells_j=4, corners=corners, blending="linear")
+    assert mesh.shape == (6, 5, 1)
+    assert_same_mesh(fetched(proxy), mesh)
+    _, other = filter_and_call("transfinite", (loop,), cells_i=5, cells_j=4, corners=corners, blending="arc length")
+    assert not np.array_equal(mesh.points, other.points)
+
+
+def check_polylines_without_shared_points_make_one_loop():
+    sides = [
+        [(0, 0, 0), (1, 0, 0), (2, 0, 0)],
+        [(2, 0, 0), (2, 1, 0)],
+        [(2, 1, 0), (1, 1, 0), (0, 1, 0)],
+        [(0, 1, 0), (0, 0, 0)],
+    ]
+    loop = producer(polylines(*sides))
+    dataset = fetched(pv.meshcoreTransfiniteInterpolation(South=loop))
+    assert tuple(dataset.GetDimensions()) == (3, 2, 1)
+    assert sorted(content(dataset)[0].tolist()) == sorted([float(x), float(y), 0.0] for x in range(3) for y in range(2))
+
+
+def check_outline_of_a_surface_is_its_boundary():
+    plane = pv.Plane(XResolution=5, YResolution=3)
+    dataset = fetched(pv.meshcoreTransfiniteInterpolation(South=plane))
+    wanted = fetched(plane)
+    got, given = (sorted(content(d)[0].round(12).tolist()) for d in (dataset, wanted))
+    np.testing.assert_allclose(got, given, atol=1e-7)
+    assert dataset.GetNumberOfCells() == 15
+
+
+def check_outline_of_an_unstructured_surface_with_a_pentagon():
+    points = [(0, 0, 0), (2, 0, 0), (2, 2, 0), (1, 2, 0), (0, 2, 0), (-1, 0, 0), (-1, 2, 0)]
+    surface = producer(unstructured(points, [(7, (0, 1, 2, 3, 4)), (9, (5, 0, 4, 6))]))
+    proxy = pv.meshcoreTransfiniteInterpolation(South=surface, CellsI=3, CellsJ=2)
+    low, high = content(fetched(proxy))[0].min(axis=0), content(fetched(proxy))[0].max(axis=0)
+    assert (low.tolist(), high.tolist()) == ([-1, 0, 0], [2, 2, 0])
+
+
+def check_extent_follows_the_parameters_downstream():
+    plane = pv.Plane(XResolution=4, YResolution=3)
+    proxy = pv.meshcoreTransfiniteInterpolation(South=plane, CellsI=4, CellsJ=3)
+    subset = pv.ExtractSubset(Input=proxy, VOI=[0, 99, 0, 99, 0, 0])
+    for cells in (4, 9, 2, 7):
+        proxy.CellsI = cells
+        assert tuple(fetched(subset).GetDimensions()) == (cells + 1, 4, 1)
+        path = str(OUT / "extent.vts")
+        pv.SaveData(path, proxy=proxy)
+        assert tuple(fetched(pv.XMLStructuredGridReader(FileName=[path])).GetDimensions()) == (cells + 1, 4, 1)
+    proxy.CellsI = proxy.CellsJ = 0
+    plane.XResolution = 11  # a change of the input, not of the filter
+    assert tuple(fetched(subset).GetDimensions()) == (12, 4, 1)
+
+
+def check_a_filter_feeds_the_next():
+    plane = pv.Plane(XResolution=4, YResolution=3)
+    first = pv.meshcoreTransfiniteInterpolation(South=plane)
+    second = pv.meshcoreTransfiniteInterpolation(South=first, CellsI=8, CellsJ=6)
+    assert fetched(second).GetNumberOfCells() == 48
+
+
+if __name__ == "__main__":
+    run_checks(globals())
