@@ -109,7 +109,7 @@ def angles(x: np.ndarray) -> np.ndarray:
     """
     to_next = edges(x)
     to_last = -chosen(to_next, (3, 0, 1, 2))
-    return np.degrees(np.arctan2(length(cross(to_next, to_last)), dot(to_next, to_last)))
+    return np.degrees(np.arctan2(length(cross(to_next, to_last)), dot(to_next, to_last) + 0.0))  # -0.0 would be 180
 
 
 def max_angle(x: np.ndarray) -> np.ndarray:

@@ -50,7 +50,7 @@ def dihedral_angles(x: np.ndarray) -> np.ndarray:
     for k, (i, j) in enumerate(_OPPOSITE):
         origin = x[:, _EDGES[k, 0]]
         a, b = cross(e[:, k], x[:, i] - origin), cross(e[:, k], x[:, j] - origin)
-        angles.append(np.arctan2(length(cross(a, b)), dot(a, b)))
+        angles.append(np.arctan2(length(cross(a, b)), dot(a, b) + 0.0))  # -0.0 would be 180 degrees
     return np.degrees(side_by_side(angles))
 
 
@@ -106,7 +106,7 @@ def radius_ratio(x: np.ndarray) -> np.ndarray:
 
 
 def relative_size_squared(x: np.ndarray) -> np.ndarray:
-    """min(s, 1 / s)^2, with s the volume over the mean volume of the mesh's tetrahedra; 0 if inverted."""
+    """min(s, 1 / s)^2, with s the volume over the mean volume of the mesh's tetrahedra; 0 if inverted or if the mean is."""
     return relative_size(volume(x))
 
 

@@ -31,7 +31,7 @@ def _angle(x: np.ndarray, reduce: str) -> np.ndarray:
     cosine loses half of the digits near 0 and 180 degrees, this does not.
     """
     e = edges(x)
-    products = -dot(e, chosen(e, (2, 0, 1)))
+    products = 0.0 - dot(e, chosen(e, (2, 0, 1)))  # not -0.0, which would make the angle 180
     return np.degrees(np.arctan2(doubled_area(x), getattr(products, reduce)(axis=1)))
 
 
