@@ -1,0 +1,375 @@
+"""Pictures of meshes and of their quality, drawn off-screen by pyvista, with or without a display."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .errors import InvalidInput, MeshcoreError, MissingLibrary
+from .io import to_pyvista
+from .mesh import Mesh, MultiBlock, StructuredGrid
+from .quality import QualityReport, measure, measures
+
+if TYPE_CHECKING:
+    import pyvista
+
+FACE, EDGE, MARK = "#dde7f0", "#1d3a57", "#e4572e"
+BLOCKS = ("#dde7f0", "#f4e3cf", "#dcefd9", "#efdcea", "#f5f0c8", "#d5eeee")
+SUPERSAMPLING = 2
+"""Pixels are drawn so many times as fine and averaged, so that lines may be thinner than a pixel."""
+
+
+def picture(
+    mesh: Mesh | StructuredGrid | MultiBlock,
+    path: str | os.PathLike,
+    *,
+    scalars: str | np.ndarray | None = None,
+    window: tuple[int, int] = (1200, 900),
+    zoom: Sequence[Sequence[float]] | None = None,
+    edges: bool = True,
+    title: str = "",
+    marked: Sequence[int] = (),
+) -> Path:
+    """Draw a mesh into a PNG file.
+
+    Planar meshes are seen from above, in parallel projection. Surfaces in space are seen aslant. Of volumes the half
+    towards the eye is taken away, cell by cell.
+
+    Parameters
+    ----------
+    mesh : Mesh, StructuredGrid or MultiBlock
+        What to draw; line cells are drawn as curves.
+    path : path
+        File to write; folders are made.
+    scalars : str or (n_cells,) or (n_points,) float, optional
+        Colours, with a scale: values, the name of a cell or point array, or of a quality measure.
+    window : tuple of two int
+        Width and height in pixels.
+    zoom : (2, 2) float, optional
+        Lower left and upper right corner of the part of a planar mesh to show.
+    edges : bool
+        Whether to draw the cells' edges. Their lines are the thinner the more there are.
+    title : str
+        Text above the picture.
+    marked : sequence of int
+        Cells drawn in red, such as those of `GenerationFailed`.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    InvalidInput
+        If the mesh is empty, or scalars, window or zoom do not fit.
+    MissingLibrary
+        Without pyvista.
+    MeshcoreError
+        Where this machine cannot draw, with what to install.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from meshcore import gallery
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     picture(gallery.triangulated_square(), f"{folder}/square.png", scalars="front", window=(200, 150)).name
+    'square.png'
+    """
+    blocks = mesh.blocks if isinstance(mesh, MultiBlock) else (mesh,)
+    if not all(isinstance(block, (Mesh, StructuredGrid)) for block in blocks):
+        raise InvalidInput(f"needs a mesh or a grid, got {type(mesh).__name__}", parameter="mesh")
+    parts = [b.to_mesh() if isinstance(b, StructuredGrid) else b for b in blocks]
+    if not all(part.n_cells for part in parts):
+        raise InvalidInput("has no cells to draw", parameter="mesh")
+    box = _checked_zoom(zoom)
+    coloured = None if scalars is None else _values(parts, blocks, scalars)
+    with _plotter(window) as plotter:
+        width = _line_width(parts, window, box)
+        for number, part in enumerate(parts):
+            values = None if coloured is None else coloured[number]
+            _add(plotter, part, BLOCKS[number % len(BLOCKS)], width if edges else 0.0, values, scalars)
+        if len(marked):
+            _add_marked(plotter, parts[0], marked)
+        _look(plotter, parts, box, window)
+        _label(plotter, title)
+        return _save(plotter, path)
+
+
+def histogram(report: QualityReport, path: str | os.PathLike, *, window: tuple[int, int] = (1200, 800)) -> Path:
+    """Draw the histograms of a quality report into a PNG file, one panel a measure.
+
+    Parameters
+    ----------
+    report : QualityReport
+        From `meshcore.quality.report`.
+    path : path
+        File to write; folders are made.
+    window : tuple of two int
+        Width and height in pixels.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    InvalidInput
+        If the report is empty.
+    MissingLibrary
+        Without pyvista.
+    MeshcoreError
+        Where this machine cannot draw, with what to install.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from meshcore import gallery, quality
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     histogram(quality.report(gallery.triangulated_square()), f"{folder}/quality.png").name
+    'quality.png'
+    """
+    rows = [row for row in report.rows.values() if row.histogram[0].sum()]
+    if not rows:
+        raise InvalidInput("has no measure to draw", parameter="report")
+    columns = min(len(rows), 3)
+    with _plotter(window, shape=(-(-len(rows) // columns), columns)) as plotter:
+        for number, row in enumerate(rows):
+            plotter.subplot(*divmod(number, columns))
+            plotter.add_chart(_chart(row))
+        return _save(plotter, path)
+
+
+def _chart(row: Any) -> pyvista.Chart2D:
+    """Bars of one measure's histogram."""
+    import pyvista
+
+    counts, bounds = row.histogram
+    x = 0.5 * (np.asarray(bounds[:-1]) + np.asarray(bounds[1:]))
+    chart = pyvista.Chart2D(x_label=f"{row.name} ({row.unit})" if row.unit else row.name, y_label="cells")
+    chart.bar(x, np.asarray(counts, float), color=EDGE)
+    for axis in (chart.x_axis, chart.y_axis):
+        axis.label_size, axis.tick_label_size = 16 * SUPERSAMPLING, 13 * SUPERSAMPLING
+        axis.tick_count = 5
+    return chart
+
+
+@contextlib.contextmanager
+def _plotter(window: tuple[int, int], shape: tuple[int, int] = (1, 1)):
+    """An off-screen pyvista plotter of ``window`` pixels, closed at the end."""
+    width, height = _checked_window(window)
+    try:
+        import pyvista
+    except ImportError:
+        raise MissingLibrary("pyvista", "a picture") from None
+    _refuse_without_graphics(pyvista.vtk_version_info)
+    # VTK warns of a missing display before it turns to EGL or OSMesa, which do without.
+    with pyvista.vtk_verbosity("off"):
+        plotter = pyvista.Plotter(
+            off_screen=True,
+            window_size=(width * SUPERSAMPLING, height * SUPERSAMPLING),
+            shape=shape,
+            border=False,
+            lighting="none",
+        )
+        try:
+            plotter.set_background("white")
+            yield plotter
+        finally:
+            plotter.close()
+
+
+def _refuse_without_graphics(version: tuple[int, ...]) -> None:
+    """Raise where VTK would bring the process down: on Linux without a display and without EGL or OSMesa."""
+    if not sys.platform.startswith("linux") or os.environ.get("DISPLAY"):
+        return
+    if tuple(version) < (9, 4):
+        raise MeshcoreError(
+            f"there is no display, and VTK {'.'.join(map(str, version))} cannot draw without one; "
+            "install vtk 9.4 or newer, or run under xvfb-run"
+        )
+    for library in ("libEGL.so.1", "libOSMesa.so.8", "libOSMesa.so.6"):
+        with contextlib.suppress(OSError):
+            ctypes.CDLL(library)
+            return
+    raise MeshcoreError(
+        "there is no display, and neither EGL nor OSMesa to draw without one; "
+        "install libegl1 (or libosmesa6), or run under xvfb-run"
+    )
+
+
+def _checked_window(window: Any) -> tuple[int, int]:
+    try:
+        width, height = (int(v) for v in window)
+    except (TypeError, ValueError):
+        width = height = 0
+    if not (16 <= width <= 4096 and 16 <= height <= 4096):
+        raise InvalidInput(f"needs a width and a height of 16 to 4096 pixels, got {window!r}", parameter="window")
+    return width, height
+
+
+def _checked_zoom(zoom: Any) -> np.ndarray | None:
+    if zoom is None:
+        return None
+    try:
+        box = np.asarray(zoom, float)
+    except (TypeError, ValueError):
+        box = np.empty(0)
+    if box.shape != (2, 2) or not np.isfinite(box).all() or (box[1] <= box[0]).any():
+        raise InvalidInput(
+            f"needs the lower left and the upper right corner, ((x, y), (x, y)), got {zoom!r}", parameter="zoom"
+        )
+    return box
+
+
+def _values(parts: list[Mesh], blocks: Sequence, scalars: Any) -> list[np.ndarray]:
+    """The values that colour each part."""
+    if isinstance(scalars, str):
+        return [_named(part, scalars) for part in parts]
+    values = np.asarray(scalars)
+    if isinstance(blocks[0], StructuredGrid) and values.shape in (blocks[0].shape, blocks[0].cell_shape):
+        values = blocks[0].flat(values)
+    if len(parts) > 1 or values.shape not in ((parts[0].n_cells,), (parts[0].n_points,)):
+        raise InvalidInput(
+            f"needs {parts[0].n_cells} values for cells or {parts[0].n_points} for points of one mesh, "
+            f"got shape {values.shape}",
+            parameter="scalars",
+        )
+    return [values]
+
+
+def _named(part: Mesh, name: str) -> np.ndarray:
+    for data in (part.cell_data, part.point_data):
+        if name in data:
+            values = data[name]
+            return np.linalg.norm(values.reshape(len(values), -1), axis=1) if values.ndim > 1 else values
+    if any(name in measures(kind) for kind in part.cells):
+        return measure(part, name)
+    known = [*part.cell_data, *part.point_data, *sorted({m for kind in part.cells for m in measures(kind)})]
+    raise InvalidInput(f"{name!r} is neither data nor a measure; there are {', '.join(known)}", parameter="scalars")
+
+
+def _line_width(parts: list[Mesh], window: tuple[int, int], box: np.ndarray | None) -> float:
+    """Width of the edges' lines in pixels: a share of the typical visible edge."""
+    points = np.concatenate([part.points for part in parts])
+    shown = (
+        box if box is not None and all(part.is_planar for part in parts) else np.array([points.min(0), points.max(0)])
+    )
+    extent = max((shown[1] - shown[0])[:2].max(), 1e-300)
+    lengths = []
+    for part in parts:
+        middle = part.points[part.edges].mean(axis=1)
+        inside = ((middle[:, :2] >= shown[0, :2]) & (middle[:, :2] <= shown[1, :2])).all(axis=1)
+        ends = part.points[part.edges[inside if inside.any() else slice(None)]]
+        lengths.append(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
+    pixels = np.quantile(np.concatenate(lengths), 0.6) * 0.9 * min(window) / extent
+    return float(np.clip(0.1 * pixels, 0.5, 1.3))
+
+
+def _add(plotter: Any, part: Mesh, colour: str, width: float, values: np.ndarray | None, name: Any) -> None:
+    """Add a mesh: its curves as lines, of volumes the far half, and its faces with edges ``width`` pixels wide."""
+    letters = max(plotter.window_size[1] // 50, 8)
+    bare = Mesh(part.points, part.cells)
+    data = to_pyvista(bare)
+    if values is not None:
+        (data.cell_data if len(values) == part.n_cells else data.point_data)["values"] = values.astype(float)
+    if part.dimension < 2:
+        plotter.add_mesh(
+            data, color=EDGE, line_width=2 * SUPERSAMPLING, lighting=False, **_colours(values, name, letters)
+        )
+        return
+    if part.dimension == 3:
+        data = data.clip(normal=(0.4, -1.0, 0.3), origin=data.center, crinkle=True).extract_surface(
+            algorithm="dataset_surface"
+        )
+    plotter.add_mesh(
+        data,
+        color=colour,
+        show_edges=width > 0,
+        edge_color=EDGE,
+        edge_opacity=1.0 if width > 0.5 else 0.6,
+        line_width=max(width * SUPERSAMPLING, 1.0),
+        lighting=not part.is_planar,
+        **_colours(values, name, letters),
+    )
+
+
+def _colours(values: np.ndarray | None, name: Any, letters: int) -> dict[str, Any]:
+    """pyvista's arguments for coloured values and their scale, in letters of so many pixels."""
+    if values is None:
+        return {}
+    bar = {
+        "title": name if isinstance(name, str) else "values",
+        "color": "black",
+        "vertical": True,
+        "position_x": 0.9,
+        "position_y": 0.15,
+        "height": 0.7,
+        "width": 0.05,
+        "title_font_size": letters,
+        "label_font_size": letters,
+        "n_labels": 5,
+        "fill": True,
+        "background_color": "white",
+    }
+    return {"scalars": "values", "cmap": "viridis", "nan_color": "white", "scalar_bar_args": bar}
+
+
+def _add_marked(plotter: Any, part: Mesh, marked: Sequence[int]) -> None:
+    chosen = np.asarray(marked, dtype=np.int64)
+    if chosen.min() < 0 or chosen.max() >= part.n_cells:
+        raise InvalidInput(f"refers to cells beyond the {part.n_cells} there are", parameter="marked")
+    some = part.selected(chosen)
+    lift = np.array([0, 0, 1e-4 * part.diagonal]) if part.is_planar else 0.0
+    data = to_pyvista(Mesh(some.points + lift, some.cells))
+    plotter.add_mesh(data, color=MARK, show_edges=True, edge_color=EDGE, line_width=SUPERSAMPLING, lighting=False)
+
+
+def _look(plotter: Any, parts: list[Mesh], box: np.ndarray | None, window: tuple[int, int]) -> None:
+    """Set the camera: from above on planar meshes, aslant on others."""
+    if not all(part.is_planar for part in parts):
+        plotter.view_vector((-1.0, -2.0, 1.2) if parts[0].dimension < 3 else (0.8, -2.0, 1.2))
+        plotter.enable_lightkit()
+        plotter.camera.zoom(1.1)
+        return
+    if box is None:
+        points = np.concatenate([part.points for part in parts])[:, :2]
+        box = np.array([points.min(axis=0), points.max(axis=0)])
+        box += 0.04 * np.ptp(box, axis=0).max() * np.array([[-1], [1]])
+    middle, size = box.mean(axis=0), box[1] - box[0]
+    camera = plotter.camera
+    camera.enable_parallel_projection()
+    far = 10 * max(size.max(), max(part.diagonal for part in parts))
+    camera.focal_point, camera.position, camera.up = (*middle, 0.0), (*middle, far), (0.0, 1.0, 0.0)
+    camera.parallel_scale = 0.5 * max(size[1], size[0] * window[1] / window[0])
+    camera.clipping_range = (0.5 * far, 1.5 * far)
+
+
+def _label(plotter: Any, title: str) -> None:
+    if title:
+        plotter.add_text(
+            title, position="upper_left", font_size=8 * SUPERSAMPLING, color="black", shadow=False, name="title"
+        )
+
+
+def _save(plotter: Any, path: str | os.PathLike) -> Path:
+    """Write what the plotter shows, averaged down to the window's pixels."""
+    from PIL import Image  # pyvista depends on it
+
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    pixels = np.asarray(plotter.screenshot(return_img=True))[..., :3]
+    height, width = (n // SUPERSAMPLING for n in pixels.shape[:2])
+    fine = pixels[: height * SUPERSAMPLING, : width * SUPERSAMPLING].reshape(
+        height, SUPERSAMPLING, width, SUPERSAMPLING, 3
+    )
+    Image.fromarray(fine.mean(axis=(1, 3)).round().astype(np.uint8)).save(path)
+    return path
