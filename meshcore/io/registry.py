@@ -260,6 +260,7 @@ def _complaint(path: Path, format: Format, head: bytes, error: BaseException, sa
         printed = said.getvalue().strip().splitlines()
         what = str(error).strip().splitlines()[0] if str(error).strip() else type(error).__name__
         what = printed[-1].strip() if isinstance(error, SystemExit) and printed else what
+        what = f"it is damaged ({what.rstrip('.')})"
     found = recognised(head)
     own = {"STL", "PLY", "OFF", "a Gmsh mesh", "a Medit mesh", "an SU2 mesh", "a legacy VTK file"}
     if found and not (found in own and format.name.split()[0] in found) and not found.startswith("a VTK XML"):
