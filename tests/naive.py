@@ -150,3 +150,106 @@ def incircle(tests: np.ndarray) -> np.ndarray:
 def insphere(tests: np.ndarray) -> np.ndarray:
     """1 if e lies below the hyperplane through a, b, c, d on the paraboloid."""
     return -np.sign(determinant(_lifted_edges(tests))).astype(int)
+
+
+def openfoam_facets(cells, points):
+    """Non-orthogonality and skewness of planar polygons' edges, one at a time as OpenFOAM's checkMesh has them.
+
+    ``cells`` are lists of point numbers, counter-clockwise. Returns {frozenset of two points: (angle or None, skew)}.
+    """
+
+    def centre(cell):
+        x = [points[k] for k in cell]
+        area = sum(p[0] * q[1] - q[0] * p[1] for p, q in zip(x, x[1:] + x[:1], strict=True)) / 2
+        return [
+            sum((p[i] + q[i]) * (p[0] * q[1] - q[0] * p[1]) for p, q in zip(x, x[1:] + x[:1], strict=True)) / (6 * area)
+            for i in (0, 1)
+        ]
+
+    sides = {}
+    for cell in cells:
+        for a, b in zip(cell, cell[1:] + cell[:1], strict=True):
+            sides.setdefault(frozenset((a, b)), []).append((a, b, centre(cell)))
+    found = {}
+    for key, owners in sides.items():
+        a, b, own = owners[0]
+        p, q = points[a], points[b]
+        middle = [(p[i] + q[i]) / 2 for i in (0, 1)]
+        normal = [q[1] - p[1], p[0] - q[0]]
+        to_face = [middle[i] - own[i] for i in (0, 1)]
+        through = sum(normal[i] * to_face[i] for i in (0, 1))
+        if len(owners) == 2:
+            d = [owners[1][2][i] - own[i] for i in (0, 1)]
+            cosine = (d[0] * normal[0] + d[1] * normal[1]) / math.hypot(*d) / math.hypot(*normal)
+            angle, reach = math.degrees(math.acos(min(1.0, cosine))), 0.2
+        else:
+            d = [normal[i] * through / (normal[0] ** 2 + normal[1] ** 2) for i in (0, 1)]
+            angle, reach = None, 0.4
+        step = through / (normal[0] * d[0] + normal[1] * d[1])
+        offset = [to_face[i] - step * d[i] for i in (0, 1)]
+        size = math.hypot(*offset)
+        if size > 0:
+            reach = max(
+                reach * math.hypot(*d),
+                *(abs(sum(offset[i] * (end[i] - middle[i]) for i in (0, 1))) / size for end in (p, q)),
+            )
+        found[key] = angle, (size / reach if size > 0 else 0.0)
+    return found
+
+
+# ---- adaptivity: triangles as tuples of points, newest vertex first
+
+
+def newest_vertex_refined(triangles, marked):
+    """Newest-vertex bisection by the book: mark edges, close, cut one triangle after the other.
+
+    ``triangles`` are tuples of three points (tuples of float), of which those in ``marked`` get all edges halved.
+    """
+
+    def middle(a, b):
+        return tuple((x + y) / 2 for x, y in zip(a, b, strict=True))
+
+    def cut(a, b, c):
+        if frozenset((b, c)) not in edges:
+            return [(a, b, c)]
+        m = middle(b, c)
+        return cut(m, a, b) + cut(m, c, a)
+
+    edges = {frozenset(pair) for t in marked for pair in itertools.combinations(t, 2)}
+    before = -1
+    while len(edges) != before:
+        before = len(edges)
+        for a, b, c in triangles:
+            if edges & {frozenset((a, b)), frozenset((a, c))}:
+                edges.add(frozenset((b, c)))
+    return [part for triangle in triangles for part in cut(*triangle)]
+
+
+def gradient_jump(points, triangles, values):
+    """Kelly's indicator, edge by edge: slopes by least squares, normals by turning the edge in the plane z = 0."""
+    slopes = [np.linalg.lstsq(np.column_stack([points[t][:, :2], np.ones(3)]), values[t], rcond=None)[0][:2] for t in triangles]
+    squares = np.zeros(len(triangles))
+    for i, j in itertools.combinations(range(len(triangles)), 2):
+        shared = sorted(set(triangles[i].tolist()) & set(triangles[j].tolist()))
+        if len(shared) == 2:
+            edge = (points[shared[1]] - points[shared[0]])[:2]
+            length = np.hypot(*edge)
+            jump = (slopes[i] - slopes[j]) @ np.array([edge[1], -edge[0]]) / length
+            squares[[i, j]] += 0.5 * length * (length * jump**2)
+    return np.sqrt(squares)
+
+
+def poisson(points, triangles, boundary_values):
+    """Linear finite elements for Laplace's equation: nodal values, with ``boundary_values`` (nan inside) kept."""
+    n = len(points)
+    corners = points[triangles][:, :, :2]
+    sides = np.roll(corners, 1, axis=1) - np.roll(corners, -1, axis=1)
+    twice_area = sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]
+    local = np.einsum("mik,mjk->mij", sides, sides) / (2 * twice_area)[:, None, None]
+    rows, columns = np.repeat(triangles, 3, axis=1), np.tile(triangles, 3)
+    matrix = scipy.sparse.coo_matrix((local.ravel(), (rows.ravel(), columns.ravel())), (n, n)).tocsr()
+    free = np.isnan(boundary_values)
+    solution = np.where(free, 0.0, boundary_values)
+    load = -(matrix @ solution)[free]
+    solution[free] = scipy.sparse.linalg.spsolve(matrix[free][:, free].tocsc(), load)
+    return solution

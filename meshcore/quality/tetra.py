@@ -106,7 +106,7 @@ def radius_ratio(x: np.ndarray) -> np.ndarray:
 
 
 def relative_size_squared(x: np.ndarray) -> np.ndarray:
-    """min(s, 1 / s)^2, with s the volume over the mean volume of the mesh's tetrahedra; 0 if inverted or if the mean is."""
+    """min(s, 1 / s)^2, with s the volume over the mean volume of the tetrahedra; 0 if inverted or if the mean is."""
     return relative_size(volume(x))
 
 

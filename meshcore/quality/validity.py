@@ -286,8 +286,11 @@ def _overlap(examined: _Examined) -> Iterator[Fault]:
         return  # the argument of `embedding` stands on positive cells and matching edges
     edges = examined.boundary_edges
     hanging, crossing = embedding.overlaps(plane, edges, examined.rounding)
+    owners = examined.cells_with(edges[hanging[:, 0]])
+    own = [point in _nodes_of(mesh, cell) for cell, point in zip(owners, hanging[:, 1], strict=True)]
+    hanging, owners = hanging[~np.array(own, bool)], owners[~np.array(own, bool)]  # a thin cell is no fault
     if len(hanging):
-        cells = np.unique(examined.cells_with(edges[hanging[:, 0]]))
+        cells = np.unique(owners)
         points = np.unique(hanging[:, 1])
         what = _many(len(points), "point hangs", "points hang")
         yield Fault(
