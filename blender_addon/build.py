@@ -112,9 +112,10 @@ def declarations() -> str:
     import meshcore
     from meshcore import quality
 
-    measures = {kind: list(quality.measures(kind)) for kind in ("triangle", "quad", "tetra", "hexahedron")}
     operations = {identifier: op.declaration() for identifier, op in meshcore.operations().items()}
-    return json.dumps({"version": meshcore.__version__, "operations": operations, "measures": measures}, indent=1)
+    return json.dumps(
+        {"version": meshcore.__version__, "operations": operations, "measures": list(quality.measures())}, indent=1
+    )
 
 
 def _manifest(version: str, python: str, platform: str, wheels: list[Path]) -> str:

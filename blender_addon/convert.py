@@ -123,7 +123,8 @@ def _checked(points: np.ndarray, cells: dict, point_data: dict, cell_data: dict,
 
     sets = {n[len(SET_PREFIX) :]: np.flatnonzero(v) for n, v in cell_data.items() if n.startswith(SET_PREFIX)}
     cell_data = {n: v for n, v in cell_data.items() if not n.startswith(SET_PREFIX)}
-    world = points @ matrix[:3, :3].T + matrix[:3, 3]
+    with np.errstate(invalid="ignore", over="ignore"):  # Mesh names coordinates that are no numbers
+        world = points @ matrix[:3, :3].T + matrix[:3, 3]
     mesh = Mesh(world, cells, point_data=point_data, cell_data=cell_data, sets=sets)
     mirrored = np.linalg.det(matrix[:3, :3]) < 0
     return mesh.reoriented() if mirrored and "line" not in cells else mesh
@@ -140,6 +141,8 @@ def _geometry(context: Any, ob: Any, lines_only: bool) -> Iterator[tuple[Any, np
             return
     final = ob.evaluated_get(context.evaluated_depsgraph_get())
     data = final.to_mesh()
+    if data is None:
+        raise ReadingFailed(f"{ob.name} is empty; give a curve or a mesh with edges", ob.name)
     try:
         yield data, np.array(final.matrix_world), False
     finally:
@@ -243,6 +246,17 @@ def add_faces(data: Any, blocks: list[np.ndarray]) -> None:
     data.polygons.add(len(total))
     data.polygons.foreach_set("loop_start", start)
     data.update(calc_edges=True)
+    repair_selection(data)
+
+
+def repair_selection(data: Any) -> None:
+    """Drop the edges' selection where it has the wrong type.
+
+    Blender 5.0 gives it pairs of integers when it makes a mesh's edges, and crashes when that is then written to.
+    """
+    layer = data.attributes.get(".select_edge")
+    if layer is not None and layer.data_type != "BOOLEAN":
+        data.attributes.remove(layer)
 
 
 def _add_cell_data(data: Any, mesh: Mesh) -> list[str]:

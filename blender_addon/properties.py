@@ -122,16 +122,19 @@ def _attribute_names(self: Any, context: Any, typed: str) -> list[str]:
 @functools.cache
 def measure_items() -> list[tuple[str, str, str]]:
     """Items of a property that names a quality measure; kept, since Blender holds no reference to their text."""
-    names = dict.fromkeys(["scaled_jacobian", *(name for kind in registry()["measures"].values() for name in kind)])
+    names = dict.fromkeys(["scaled_jacobian", *registry()["measures"]])
     return [(name, name.replace("_", " ").title(), "") for name in names]
+
+
+def measures_shown(self: Any, context: Any) -> list[tuple[str, str, str]]:
+    """The same, as Blender calls it."""
+    return measure_items()
 
 
 class MESHCORE_PG_settings(bpy.types.PropertyGroup):
     """What the panel's Select Bad Cells shows."""
 
-    measure: bpy.props.EnumProperty(
-        name="Measure", description="Measure of quality", items=lambda self, context: measure_items()
-    )
+    measure: bpy.props.EnumProperty(name="Measure", description="Measure of quality", items=measures_shown)
     side: bpy.props.EnumProperty(name="Select", description="Which cells are bad", items=SIDES)
     threshold: bpy.props.FloatProperty(name="Threshold", description="Limit of the measure", default=0.3, precision=4)
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
 import bpy
@@ -26,11 +27,13 @@ def show(context: Any, label: str, source: str, result: Any) -> tuple[Any, list[
     mesh = result.mesh if isinstance(result.mesh, Mesh) else result.mesh.to_mesh()
     parent = bpy.data.objects.get(source)
     origin = np.array(parent.matrix_world.translation) if parent else np.zeros(3)
+    report = result.report
     if mesh.n_cells and mesh.dimension > 1:
         mesh = mesh.with_cell_data(**{QUALITY: quality.measure(mesh, MEASURE)})
+        report = dataclasses.replace(report, quality=report.quality or quality.summary(mesh))
     name = f"{source} {label}" if source else label
     data, warnings = convert.write(name, mesh, origin)
-    _keep_report(data, result.report)
+    _keep_report(data, report)
     ob = bpy.data.objects.new(name, data)
     ob.location = origin
     _home(context, parent).objects.link(ob)

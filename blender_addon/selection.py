@@ -10,13 +10,14 @@ import bpy
 import numpy as np
 
 from . import properties, volume
-from .convert import ReadingFailed, array
+from .convert import ReadingFailed, array, repair_selection
 
 _ELEMENTS = ("vertices", "edges", "polygons")
 
 
 def select_only(data: Any, elements: str, numbers: Sequence[int] | np.ndarray) -> None:
     """Select some vertices, edges or polygons of a mesh and nothing else."""
+    repair_selection(data)
     for name in _ELEMENTS:
         chosen = np.zeros(len(getattr(data, name)), bool)
         if name == elements:
@@ -53,9 +54,7 @@ class MESHCORE_OT_select_bad_cells(bpy.types.Operator):
     bl_label = "Select Bad Cells"
     bl_options = {"REGISTER", "UNDO"}
 
-    measure: bpy.props.EnumProperty(
-        name="Measure", description="Measure of quality", items=lambda self, context: properties.measure_items()
-    )
+    measure: bpy.props.EnumProperty(name="Measure", description="Measure of quality", items=properties.measures_shown)
     side: bpy.props.EnumProperty(name="Select", description="Which cells are bad", items=properties.SIDES)
     threshold: bpy.props.FloatProperty(name="Threshold", description="Limit of the measure", default=0.3, precision=4)
 
