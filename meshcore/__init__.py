@@ -2,7 +2,8 @@
 
 __version__ = "0.1.0"
 
-from . import io, quality
+from . import adapt, io, quality
+from .adapt import refined
 from .errors import Cancelled, GenerationFailed, InvalidGeometry, InvalidInput, MeshcoreError, MissingLibrary
 from .mesh import Mesh, MultiBlock, StructuredGrid
 from .operation import Length, Relative, operations
@@ -25,10 +26,12 @@ __all__ = [
     "Report",
     "Result",
     "StructuredGrid",
+    "adapt",
     "io",
     "o_grid",
     "operations",
     "quality",
+    "refined",
     "silent",
     "transfinite",
 ]

@@ -7,6 +7,8 @@ import math
 from fractions import Fraction
 
 import numpy as np
+import scipy.sparse
+import scipy.sparse.linalg
 
 
 def bisected(function, low, high):
@@ -227,7 +229,10 @@ def newest_vertex_refined(triangles, marked):
 
 def gradient_jump(points, triangles, values):
     """Kelly's indicator, edge by edge: slopes by least squares, normals by turning the edge in the plane z = 0."""
-    slopes = [np.linalg.lstsq(np.column_stack([points[t][:, :2], np.ones(3)]), values[t], rcond=None)[0][:2] for t in triangles]
+    slopes = [
+        np.linalg.lstsq(np.column_stack([points[t][:, :2], np.ones(3)]), values[t], rcond=None)[0][:2]
+        for t in triangles
+    ]
     squares = np.zeros(len(triangles))
     for i, j in itertools.combinations(range(len(triangles)), 2):
         shared = sorted(set(triangles[i].tolist()) & set(triangles[j].tolist()))
