@@ -10,7 +10,8 @@ and an input that is a mesh is described by a `Port`::
 
 `operation` reads the signature into an `Operation`; Blender properties, ParaView XML, MeshLab functions,
 command-line flags and the reference pages all come from the registry. The vocabulary is closed: bool, int,
-float, str, Literal, fixed tuples of int or float, and Length. A keyword without a Param is for Python only.
+float, str, Literal, fixed tuples of int or float, and Length. A parameter with a default but neither Param nor
+Port is for Python only.
 """
 
 from __future__ import annotations
@@ -323,7 +324,7 @@ def _read_signature(function: Callable[..., Any], signature: inspect.Signature) 
             inputs[name] = replace(info, name=name, type=hint, optional=optional)
         elif isinstance(info, Param):
             params[name] = _completed(info, name, hint, parameter.default)
-        elif parameter.kind is not inspect.Parameter.KEYWORD_ONLY:
+        elif parameter.kind is not inspect.Parameter.KEYWORD_ONLY and parameter.default is inspect.Parameter.empty:
             raise TypeError(f"{function.__name__}: input {name} needs a Port, as in Annotated[Mesh, Port(...)]")
     return inputs, params
 
