@@ -7,8 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..errors import InvalidInput
-from ..mesh import MultiBlock, StructuredGrid
+from ..mesh import MultiBlock
 from ..operation import Operation, operations
 from ..progress import part_of
 from . import files, flags, terminal
@@ -132,13 +131,8 @@ def run_quality(arguments: argparse.Namespace, inputs: Inputs) -> None:
     blocks = dict(zip(mesh.names, mesh.blocks, strict=True)) if isinstance(mesh, MultiBlock) else {"": mesh}
     reports = {name: quality.report(block, arguments.measure) for name, block in blocks.items()}
     if arguments.picture:
-        if len(blocks) > 1:
-            raise InvalidInput(f"{arguments.mesh} holds {len(blocks)} blocks, a picture shows one")
-        block, report = next(iter(blocks.values())), next(iter(reports.values()))
-        shown = block.to_mesh() if isinstance(block, StructuredGrid) else block
-        name = next(iter(report.rows), None)
-        shown = shown.with_cell_data(**{name: quality.measure(shown, name)}) if name else shown
-        files.draw(shown, arguments.picture, scalars=name, title=arguments.mesh.name)
+        colour = next(iter(next(iter(reports.values())).rows), None)
+        files.draw(mesh, arguments.picture, scalars=colour, title=arguments.mesh.name)
     if arguments.json:
         tables = {name: {row: vars(values) for row, values in report.rows.items()} for name, report in reports.items()}
         files.print_json(tables if len(tables) > 1 else next(iter(tables.values())))

@@ -74,7 +74,7 @@ def run_doctor(arguments: argparse.Namespace, inputs: commands.Inputs) -> int:
     if arguments.json:
         files.print_json([finding._asdict() for finding in findings])
     elif not arguments.quiet:
-        print(terminal.table(findings, header=("", "", "state", "")))
+        print(terminal.table(findings, header=("where", "what", "state", "found")))
         print(f"\n{failing} of {len(findings)} fail" if failing else "\nall that is here works")
     return 1 if failing else 0
 

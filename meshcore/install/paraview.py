@@ -52,7 +52,9 @@ def install_paraview(pvpython: Path | None, say: Say) -> Path:
     if not source.is_file():
         raise InvalidInput(f"{source} is missing; `make paraview-plugin` writes it")
     say(f"{host.label} at {host.program}")
-    remove(folder, say)
+    if folder.is_dir():
+        remove(folder, say)
+        host = ask(host.program)  # what it has of its own, without what we had put there
     try:
         put = packages.put(host, folder / "packages", say)
         shutil.copyfile(source, folder / f"{PLUGIN}.py")

@@ -1,5 +1,6 @@
 """Runs inside Blender, or a Python that has bpy: installs or removes an extension, and tells its state."""
 
+import importlib
 import importlib.util
 import json
 import os
@@ -8,11 +9,22 @@ import sys
 REPOSITORY = "user_default"
 
 
+def blender():
+    """The modules bpy and addon_utils; the second can be found once the first is imported."""
+    bpy = importlib.import_module("bpy")
+    return bpy, importlib.import_module("addon_utils")
+
+
+def load_preferences():
+    """Read what the user has set: bpy as a module starts with factory settings, and would save those over them."""
+    bpy, _ = blender()
+    if bpy.app.module:
+        bpy.ops.wm.read_userpref()
+
+
 def preferences():
     """Blender's preferences, with the extension tools switched on."""
-    import addon_utils
-    import bpy
-
+    bpy, addon_utils = blender()
     if not hasattr(bpy.types, "EXTENSIONS_OT_package_install_files"):
         addon_utils.enable("bl_pkg", default_set=False)
     return bpy.context.preferences
@@ -28,9 +40,7 @@ def repository():
 
 def install(identifier, zip_file):
     """Install and enable, and keep it so."""
-    import addon_utils
-    import bpy
-
+    bpy, addon_utils = blender()
     repository()
     bpy.ops.extensions.package_install_files(filepath=zip_file, repo=REPOSITORY, enable_on_install=True)
     if not addon_utils.check(module_of(identifier))[1]:
@@ -40,9 +50,7 @@ def install(identifier, zip_file):
 
 def remove(identifier):
     """Disable and remove."""
-    import addon_utils
-    import bpy
-
+    bpy, addon_utils = blender()
     number, folder = repository()
     addon_utils.disable(module_of(identifier), default_set=True)
     bpy.ops.extensions.package_uninstall(repo_index=number, repo_directory=folder, pkg_id=identifier)
@@ -55,22 +63,21 @@ def module_of(identifier):
 
 
 def state(identifier):
-    """Whether it is there, whether it is switched on, and which libraries it brings."""
-    import addon_utils
-
+    """Whether it is there, whether it is switched on, and which libraries are found."""
+    _, addon_utils = blender()
     folder = os.path.join(repository()[1], identifier)
-    present = os.path.isdir(folder)
-    libraries = ["numba", "scipy", "meshcore"]
+    module = module_of(identifier)
     return {
-        "present": present,
-        "enabled": module_of(identifier) in preferences().addons and addon_utils.check(module_of(identifier))[1],
-        "libraries": {name: importlib.util.find_spec(name) is not None for name in libraries},
+        "present": os.path.isdir(folder),
+        "enabled": module in preferences().addons and addon_utils.check(module)[1],
+        "libraries": {name: importlib.util.find_spec(name) is not None for name in ("numba", "scipy", "meshcore")},
         "folder": folder,
     }
 
 
 if __name__ == "__main__":
     arguments = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
+    load_preferences()
     if arguments[0] == "install":
         install(*arguments[1:])
     elif arguments[0] == "remove":
