@@ -86,14 +86,15 @@ def grid_of(dataset):
     from meshcore import InvalidGeometry
     from meshcore.io.vtk_data import GRID, DataSet, decoded
 
-    shape = dataset.GetDimensions()
+    shape = [0, 0, 0]
+    dataset.GetDimensions(shape)
     if sum(n > 1 for n in shape) < 2:
         raise InvalidGeometry(f"needs a grid of at least 2 x 2 points, got {' x '.join(map(str, shape))}")
     return decoded(
         DataSet(
             GRID,
             vtk_to_numpy(dataset.GetPoints().GetData()),
-            dimensions=shape,
+            dimensions=tuple(shape),
             point_data=arrays_of(dataset.GetPointData()),
             cell_data=arrays_of(dataset.GetCellData()),
         )
@@ -112,18 +113,22 @@ def arrays_of(attributes):
 
 
 def fill(output, result):
-    """Put a `Mesh` or a `StructuredGrid` into the VTK dataset that stands for it."""
+    """Put a `Mesh` or a `StructuredGrid` into the VTK dataset that stands for it.
+
+    VTK gets copies of the arrays. On numpy's own memory it would crash: a shallow copy of such an array, as
+    vtkCellArray and some filters make, does not keep that memory alive.
+    """
     from meshcore.io.vtk_data import encoded
 
     data = encoded(result)
     points = vtkPoints()
-    points.SetData(numpy_to_vtk(data.points))
+    points.SetData(numpy_to_vtk(data.points, deep=True))
     if isinstance(output, vtkStructuredGrid):
         output.SetDimensions(*data.dimensions)
     elif isinstance(output, vtkPolyData):
         data = _fill_polydata(output, data)
     else:
-        output.SetCells(numpy_to_vtk(data.types), _cell_array(data.offsets, data.connectivity))
+        output.SetCells(numpy_to_vtk(data.types, deep=True), _cell_array(data.offsets, data.connectivity))
     output.SetPoints(points)
     add_arrays(output.GetPointData(), data.point_data)
     add_arrays(output.GetCellData(), data.cell_data)
@@ -140,14 +145,14 @@ def fill_report(output, report):
 
 
 def add_arrays(attributes, arrays):
-    """Add numpy arrays by name; numbers stay in numpy's memory, which the VTK array keeps alive."""
+    """Add copies of numpy arrays by name."""
     for name, values in arrays.items():
         if values.dtype.kind == "U":
             array = vtkStringArray()
             for text in values.ravel().tolist():
                 array.InsertNextValue(text)
         else:
-            array = numpy_to_vtk(np.ascontiguousarray(values))
+            array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
         array.SetName(name)
         attributes.AddArray(array)
 
@@ -220,5 +225,5 @@ def _fill_polydata(output, data):
 
 def _cell_array(offsets, connectivity):
     array = vtkCellArray()
-    array.SetData(numpy_to_vtkIdTypeArray(offsets), numpy_to_vtkIdTypeArray(connectivity))
+    array.SetData(numpy_to_vtkIdTypeArray(offsets, deep=True), numpy_to_vtkIdTypeArray(connectivity, deep=True))
     return array

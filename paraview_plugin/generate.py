@@ -15,6 +15,7 @@ from xml.sax.saxutils import escape, quoteattr
 
 import meshcore
 import meshcore.io
+from meshcore import gallery
 from meshcore.operation import Operation, Param, Port, Relative
 
 HERE = Path(__file__).parent
@@ -40,11 +41,10 @@ def plugin() -> str:
 
 def _constants() -> str:
     """What the hand-written parts must know of this version of meshcore."""
-    sections = sorted(path.stem for path in (Path(meshcore.__file__).parent / "data").glob("*.dat"))
     constants = {
         "paraview_plugin_name": "meshcore",
         "paraview_plugin_version": meshcore.__version__,
-        "SECTIONS": tuple(sections),
+        "SECTIONS": tuple(gallery.airfoils()),
         "MEASURES": meshcore.quality.measures(),
         "READS": _extensions("reads"),
         "WRITES": _extensions("writes"),

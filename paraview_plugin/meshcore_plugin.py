@@ -69,8 +69,8 @@ MEASURES = (
     "volume",
     "warpage",
 )
-READS = "dat off xyz p3d x g su2 poly ele node"
-WRITES = "dat off xyz p3d x g su2 poly ele node"
+READS = "dat msh mesh off xyz p3d x g su2 poly ele node"
+WRITES = "dat msh mesh off xyz p3d x g su2 poly ele node"
 
 
 # ---- VTK datasets to meshcore meshes and back, by whole arrays.
@@ -143,14 +143,15 @@ def grid_of(dataset):
     from meshcore import InvalidGeometry
     from meshcore.io.vtk_data import GRID, DataSet, decoded
 
-    shape = dataset.GetDimensions()
+    shape = [0, 0, 0]
+    dataset.GetDimensions(shape)
     if sum(n > 1 for n in shape) < 2:
         raise InvalidGeometry(f"needs a grid of at least 2 x 2 points, got {' x '.join(map(str, shape))}")
     return decoded(
         DataSet(
             GRID,
             vtk_to_numpy(dataset.GetPoints().GetData()),
-            dimensions=shape,
+            dimensions=tuple(shape),
             point_data=arrays_of(dataset.GetPointData()),
             cell_data=arrays_of(dataset.GetCellData()),
         )
@@ -169,18 +170,22 @@ def arrays_of(attributes):
 
 
 def fill(output, result):
-    """Put a `Mesh` or a `StructuredGrid` into the VTK dataset that stands for it."""
+    """Put a `Mesh` or a `StructuredGrid` into the VTK dataset that stands for it.
+
+    VTK gets copies of the arrays. On numpy's own memory it would crash: a shallow copy of such an array, as
+    vtkCellArray and some filters make, does not keep that memory alive.
+    """
     from meshcore.io.vtk_data import encoded
 
     data = encoded(result)
     points = vtkPoints()
-    points.SetData(numpy_to_vtk(data.points))
+    points.SetData(numpy_to_vtk(data.points, deep=True))
     if isinstance(output, vtkStructuredGrid):
         output.SetDimensions(*data.dimensions)
     elif isinstance(output, vtkPolyData):
         data = _fill_polydata(output, data)
     else:
-        output.SetCells(numpy_to_vtk(data.types), _cell_array(data.offsets, data.connectivity))
+        output.SetCells(numpy_to_vtk(data.types, deep=True), _cell_array(data.offsets, data.connectivity))
     output.SetPoints(points)
     add_arrays(output.GetPointData(), data.point_data)
     add_arrays(output.GetCellData(), data.cell_data)
@@ -197,14 +202,14 @@ def fill_report(output, report):
 
 
 def add_arrays(attributes, arrays):
-    """Add numpy arrays by name; numbers stay in numpy's memory, which the VTK array keeps alive."""
+    """Add copies of numpy arrays by name."""
     for name, values in arrays.items():
         if values.dtype.kind == "U":
             array = vtkStringArray()
             for text in values.ravel().tolist():
                 array.InsertNextValue(text)
         else:
-            array = numpy_to_vtk(np.ascontiguousarray(values))
+            array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
         array.SetName(name)
         attributes.AddArray(array)
 
@@ -277,7 +282,7 @@ def _fill_polydata(output, data):
 
 def _cell_array(offsets, connectivity):
     array = vtkCellArray()
-    array.SetData(numpy_to_vtkIdTypeArray(offsets), numpy_to_vtkIdTypeArray(connectivity))
+    array.SetData(numpy_to_vtkIdTypeArray(offsets, deep=True), numpy_to_vtkIdTypeArray(connectivity, deep=True))
     return array
 
 
@@ -370,6 +375,10 @@ class Algorithm(VTKPythonAlgorithmBase):
                 info.Set(vtkStreamingDemandDrivenPipeline.UPDATE_PIECE_NUMBER(), min(piece or 0, 1))
                 info.Set(vtkStreamingDemandDrivenPipeline.UPDATE_NUMBER_OF_PIECES(), 1)
                 info.Set(vtkStreamingDemandDrivenPipeline.UPDATE_NUMBER_OF_GHOST_LEVELS(), 0)
+                if info.Has(vtkStreamingDemandDrivenPipeline.WHOLE_EXTENT()):
+                    whole = info.Get(vtkStreamingDemandDrivenPipeline.WHOLE_EXTENT())
+                    extent = UNKNOWN_EXTENT if piece else whole
+                    info.Set(vtkStreamingDemandDrivenPipeline.UPDATE_EXTENT(), extent, 6)
         return 1
 
     def RequestData(self, request, inInfo, outInfo):
@@ -397,7 +406,8 @@ class Algorithm(VTKPythonAlgorithmBase):
             print_error(f"{self.label}: {error}")
             return 0
         for warning in said:
-            print_warning(f"{self.label}: {warning.message}")
+            if issubclass(warning.category, UserWarning):  # others are for developers
+                print_warning(f"{self.label}: {warning.message}")
         return 1
 
     def run(self, inInfo, info):
@@ -550,7 +560,7 @@ def text_choice(name, values, default, description):
       <Documentation>Points on the far field's circle.</Documentation>
     </IntVectorProperty>
     <Documentation short_help="An airfoil in its far field">An airfoil as one closed loop of lines, in a circular far
-    field. The cell array "tag" tells them apart.</Documentation>
+    field. The cell array "tag" is 1 on the far field and 2 on the airfoil.</Documentation>
     """
 )
 class meshcoreAirfoil(Algorithm):
@@ -572,8 +582,8 @@ class meshcoreAirfoil(Algorithm):
     def make(self, inputs):
         import meshcore
 
-        shipped = Path(meshcore.__file__).parent / "data" / f"{self.values['section']}.dat"
-        section = meshcore.io.read(self.values["file"] or shipped)
+        own = self.values["file"]
+        section = meshcore.io.read(own) if own else meshcore.gallery.airfoil(self.values["section"])
         if not self.values["far_field"]:
             return section, None
         low, high = section.bounds
@@ -632,6 +642,7 @@ class meshcoreModel(Algorithm):
 )
 class meshcoreMeshQuality(Algorithm):
     label = "meshcore Mesh Quality"
+    output = "vtkDataSet"  # whatever the input is
     ports = (("mesh", "mesh", False),)
 
     def SetMeasure(self, value):
@@ -689,6 +700,7 @@ class meshcoreMeshQuality(Algorithm):
 )
 class meshcoreReader(Algorithm):
     label = "meshcore Reader"
+    output = "vtkDataObject"  # whatever the file holds
 
     def __init__(self):
         super().__init__()
@@ -704,9 +716,8 @@ class meshcoreReader(Algorithm):
         return put_output(outInfo, vtk_type_of(self.content))
 
     def RequestInformation(self, request, inInfo, outInfo):
-        if self.content is not None and vtk_type_of(self.content) is vtkStructuredGrid:
-            self.extent = tuple(k for n in self.content.shape for k in (0, n - 1))
-            self.output = "vtkStructuredGrid"
+        if vtk_type_of(self.content) is vtkStructuredGrid:
+            put_extent(outInfo.GetInformationObject(0), [k for n in self.content.shape for k in (0, n - 1)])
         return super().RequestInformation(request, inInfo, outInfo)
 
     def read(self):
@@ -1006,4 +1017,55 @@ class meshcoreTransfiniteInterpolation(Operation):
 
     def SetTolerance(self, value):
         self.set("tolerance", value if value >= 0 else BY_DEFAULT)
+
+
+
+@smproxy.filter(name="meshcoreAdaptiveRefinement", label="meshcore Adaptive Refinement", support_reload=False)
+@smhint.xml('<ShowInMenu category="meshcore"/>')
+@smproperty.xml(
+    """
+    <Documentation short_help="Adaptive Refinement">Refine triangles where it is needed, without hanging nodes, with
+    angles bounded over any number of calls.</Documentation>
+    <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkPolyData"/><DataType value="vtkUnstructuredGrid"/><DataType value="vtkStructuredGrid"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Triangles, planar or in space; lines on their edges are cut too.</Documentation>
+    </InputProperty>
+    <StringVectorProperty name="Indicator" label="Indicator" command="SetIndicator" number_of_elements="1" default_values="None" panel_visibility="default">
+      <ArrayListDomain name="array_list" none_string="None" input_domain_name="arrays"><RequiredProperties><Property name="Input" function="Input"/></RequiredProperties></ArrayListDomain>
+      <Documentation>Cell array that says how much each triangle needs it, or point array whose variation does; empty
+      refines everywhere.</Documentation>
+    </StringVectorProperty>
+    <DoubleVectorProperty name="Fraction" label="Fraction" command="SetFraction" number_of_elements="1" default_values="0.5" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0" max="1"/>
+      <Documentation>Share of the indicator's sum that the cut triangles hold.</Documentation>
+    </DoubleVectorProperty>
+    <IntVectorProperty name="Levels" label="Levels" command="SetLevels" number_of_elements="1" default_values="1" panel_visibility="default">
+      <IntRangeDomain name="range" min="1" max="6"/>
+      <Documentation>How often the sizes of cut triangles are halved.</Documentation>
+    </IntVectorProperty>
+    <PropertyGroup label="Parameters">
+      <Property name="Indicator"/>
+      <Property name="Fraction"/>
+      <Property name="Levels"/>
+    </PropertyGroup>
+    """
+)
+class meshcoreAdaptiveRefinement(Operation):
+    operation = "refined"
+    label = "meshcore Adaptive Refinement"
+    ports = (('mesh', 'mesh', False),)
+    output = "vtkUnstructuredGrid"
+
+    def SetIndicator(self, value):
+        self.set("indicator", "" if value == NO_ARRAY else value)
+
+    def SetFraction(self, value):
+        self.set("fraction", value)
+
+    def SetLevels(self, value):
+        self.set("levels", value)
 

@@ -101,6 +101,10 @@ class Algorithm(VTKPythonAlgorithmBase):
                 info.Set(vtkStreamingDemandDrivenPipeline.UPDATE_PIECE_NUMBER(), min(piece or 0, 1))
                 info.Set(vtkStreamingDemandDrivenPipeline.UPDATE_NUMBER_OF_PIECES(), 1)
                 info.Set(vtkStreamingDemandDrivenPipeline.UPDATE_NUMBER_OF_GHOST_LEVELS(), 0)
+                if info.Has(vtkStreamingDemandDrivenPipeline.WHOLE_EXTENT()):
+                    whole = info.Get(vtkStreamingDemandDrivenPipeline.WHOLE_EXTENT())
+                    extent = UNKNOWN_EXTENT if piece else whole
+                    info.Set(vtkStreamingDemandDrivenPipeline.UPDATE_EXTENT(), extent, 6)
         return 1
 
     def RequestData(self, request, inInfo, outInfo):
@@ -128,7 +132,8 @@ class Algorithm(VTKPythonAlgorithmBase):
             print_error(f"{self.label}: {error}")
             return 0
         for warning in said:
-            print_warning(f"{self.label}: {warning.message}")
+            if issubclass(warning.category, UserWarning):  # others are for developers
+                print_warning(f"{self.label}: {warning.message}")
         return 1
 
     def run(self, inInfo, info):

@@ -16,7 +16,7 @@ from vtkmodules.vtkCommonDataModel import (
 
 from .conversion import add_arrays, fill, grid_of, mesh_of
 from .meshcore_plugin import MEASURES, READS, SECTIONS, WRITES  # written by generate.py
-from .runtime import Algorithm
+from .runtime import Algorithm, put_extent
 
 MODELS = {
     "Square": "square",
@@ -60,7 +60,7 @@ def text_choice(name, values, default, description):
       <Documentation>Points on the far field's circle.</Documentation>
     </IntVectorProperty>
     <Documentation short_help="An airfoil in its far field">An airfoil as one closed loop of lines, in a circular far
-    field. The cell array "tag" tells them apart.</Documentation>
+    field. The cell array "tag" is 1 on the far field and 2 on the airfoil.</Documentation>
     """
 )
 class meshcoreAirfoil(Algorithm):
@@ -82,8 +82,8 @@ class meshcoreAirfoil(Algorithm):
     def make(self, inputs):
         import meshcore
 
-        shipped = Path(meshcore.__file__).parent / "data" / f"{self.values['section']}.dat"
-        section = meshcore.io.read(self.values["file"] or shipped)
+        own = self.values["file"]
+        section = meshcore.io.read(own) if own else meshcore.gallery.airfoil(self.values["section"])
         if not self.values["far_field"]:
             return section, None
         low, high = section.bounds
@@ -142,6 +142,7 @@ class meshcoreModel(Algorithm):
 )
 class meshcoreMeshQuality(Algorithm):
     label = "meshcore Mesh Quality"
+    output = "vtkDataSet"  # whatever the input is
     ports = (("mesh", "mesh", False),)
 
     def SetMeasure(self, value):
@@ -199,6 +200,7 @@ class meshcoreMeshQuality(Algorithm):
 )
 class meshcoreReader(Algorithm):
     label = "meshcore Reader"
+    output = "vtkDataObject"  # whatever the file holds
 
     def __init__(self):
         super().__init__()
@@ -214,9 +216,8 @@ class meshcoreReader(Algorithm):
         return put_output(outInfo, vtk_type_of(self.content))
 
     def RequestInformation(self, request, inInfo, outInfo):
-        if self.content is not None and vtk_type_of(self.content) is vtkStructuredGrid:
-            self.extent = tuple(k for n in self.content.shape for k in (0, n - 1))
-            self.output = "vtkStructuredGrid"
+        if vtk_type_of(self.content) is vtkStructuredGrid:
+            put_extent(outInfo.GetInformationObject(0), [k for n in self.content.shape for k in (0, n - 1)])
         return super().RequestInformation(request, inInfo, outInfo)
 
     def read(self):
