@@ -115,7 +115,25 @@ def closed(cut: np.ndarray, edges: Edges) -> np.ndarray:
     return cut
 
 
-def bisected(triangles: np.ndarray, middles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+class Parts(NamedTuple):
+    """Cells cut into parts, which stand together in the order of their parents.
+
+    Attributes
+    ----------
+    nodes : (k, 2) or (k, 3) int
+        Nodes of each part.
+    parents : (k,) int
+        Cell that it is part of.
+    cuts : (k,) int
+        How often that was halved on the way to it.
+    """
+
+    nodes: np.ndarray
+    parents: np.ndarray
+    cuts: np.ndarray
+
+
+def bisected(triangles: np.ndarray, middles: np.ndarray) -> Parts:
     """Cut triangles at the given middles of their edges, into two, three or four.
 
     Parameters
@@ -127,27 +145,44 @@ def bisected(triangles: np.ndarray, middles: np.ndarray) -> tuple[np.ndarray, np
 
     Returns
     -------
-    triangles : (k, 3) int
-        Newest vertex first; the parts of a triangle stand together, in the order of their parents.
-    parents : (k,) int
-        Triangle that each is part of.
+    Parts
+        Newest vertex first.
 
     Examples
     --------
-    >>> bisected(np.array([[0, 1, 2]]), np.array([[4, -1, 3]]))[0]
+    >>> bisected(np.array([[0, 1, 2]]), np.array([[4, -1, 3]])).nodes
     array([[3, 4, 0],
            [3, 1, 4],
            [4, 2, 0]])
     """
-    parents = np.arange(len(triangles))
+    parents, cuts = np.arange(len(triangles)), np.zeros(len(triangles), np.int64)
     for _ in range(2):  # the halves' own cuts are through old sides: two rounds do
         cut = middles[:, 0] >= 0
         (p0, p1, p2), (m0, m1, m2) = triangles[cut].T, middles[cut].T
         none = np.full_like(m0, -1)
         counts = 1 + cut
         left = (np.cumsum(counts) - counts)[cut]
-        parents = np.repeat(parents, counts)
-        triangles, middles = np.repeat(triangles, counts, axis=0), np.repeat(middles, counts, axis=0)
+        triangles, middles, parents, cuts = (np.repeat(a, counts, axis=0) for a in (triangles, middles, parents, cuts))
         triangles[left], middles[left] = np.column_stack([m0, p0, p1]), np.column_stack([m2, none, none])
         triangles[left + 1], middles[left + 1] = np.column_stack([m0, p2, p0]), np.column_stack([m1, none, none])
-    return triangles, parents
+        cuts[left] += 1
+        cuts[left + 1] += 1
+    return Parts(triangles, parents, cuts)
+
+
+def halved(lines: np.ndarray, middles: np.ndarray) -> Parts:
+    """Cut (k, 2) lines at their (k,) middles, where these are not -1; directions are kept.
+
+    Examples
+    --------
+    >>> halved(np.array([[0, 1], [1, 2]]), np.array([-1, 3])).nodes
+    array([[0, 1],
+           [1, 3],
+           [3, 2]])
+    """
+    cut = middles >= 0
+    parents = np.repeat(np.arange(len(lines)), 1 + cut)
+    second = np.flatnonzero(parents[1:] == parents[:-1]) + 1
+    halves = lines[parents]
+    halves[second - 1, 1] = halves[second, 0] = middles[cut]
+    return Parts(halves, parents, cut.astype(np.int64)[parents])

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import InvalidGeometry, InvalidInput
 from ..mesh import Mesh
-from .bisection import Edges, bisected, closed, edge_keys, edges_of, longest_edge_first, ragged
+from .bisection import Edges, Parts, bisected, closed, edge_keys, edges_of, halved, longest_edge_first, ragged
 
 COUNTER = "bisections"
 """Cell array that counts the cuts each cell comes from; where it is, node 0 of a triangle is its newest vertex."""
@@ -94,9 +94,8 @@ def refined_once(mesh: Mesh, marks: np.ndarray) -> Step:
     middles = np.full(len(cut), -1)
     middles[cut] = mesh.n_points + np.arange(cut.sum())
     ends = np.column_stack(np.divmod(edges.keys[cut], mesh.n_points))
-    cells, parents = _cut_cells(mesh, edges, middles)
+    cells, parents, cuts = _cut_cells(mesh, edges, middles)
     counts = np.bincount(parents, minlength=mesh.n_cells)
-    cuts = _cuts(mesh, edges, middles, parents, counts)
     cell_data = {name: values[parents] for name, values in mesh.cell_data.items()}
     cell_data[COUNTER] = cell_data[COUNTER] + cuts
     last = np.cumsum(counts)
@@ -114,18 +113,20 @@ def refined_once(mesh: Mesh, marks: np.ndarray) -> Step:
     )
 
 
-def _cut_cells(mesh: Mesh, edges: Edges, middles: np.ndarray) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """Parts of all cells, kind by kind, and their parents' numbers."""
-    cells, parents = {}, []
+def _cut_cells(mesh: Mesh, edges: Edges, middles: np.ndarray) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
+    """Parts of all cells, kind by kind, and over all kinds their parents and cuts."""
+    cells, parents, cuts = {}, [], []
     for kind, nodes, where in mesh.blocks():
         if kind == "triangle":
-            cells[kind], part_of = bisected(nodes, middles[edges.of_triangle])
+            parts = bisected(nodes, middles[edges.of_triangle])
         elif kind == "line":
-            cells[kind], part_of = _halved(nodes, _middles_of(nodes, mesh.n_points, edges, middles))
+            parts = halved(nodes, _middles_of(nodes, mesh.n_points, edges, middles))
         else:
-            cells[kind], part_of = nodes, np.arange(len(nodes))
-        parents.append(where.start + part_of)
-    return cells, np.concatenate(parents)
+            parts = Parts(nodes, np.arange(len(nodes)), np.zeros(len(nodes), np.int64))
+        cells[kind] = parts.nodes
+        parents.append(where.start + parts.parents)
+        cuts.append(parts.cuts)
+    return cells, np.concatenate(parents), np.concatenate(cuts)
 
 
 def _middles_of(lines: np.ndarray, n_points: int, edges: Edges, middles: np.ndarray) -> np.ndarray:
@@ -133,31 +134,6 @@ def _middles_of(lines: np.ndarray, n_points: int, edges: Edges, middles: np.ndar
     keys = edge_keys(lines, n_points)
     at = np.minimum(np.searchsorted(edges.keys, keys), len(edges.keys) - 1)
     return np.where(edges.keys[at] == keys, middles[at], -1)
-
-
-def _halved(lines: np.ndarray, middles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Lines cut at their middles, with their direction, and their parents."""
-    cut = middles >= 0
-    parents = np.repeat(np.arange(len(lines)), 1 + cut)
-    second = np.flatnonzero(parents[1:] == parents[:-1]) + 1
-    halves = lines[parents]
-    halves[second - 1, 1] = halves[second, 0] = middles[cut]
-    return halves, parents
-
-
-def _cuts(mesh: Mesh, edges: Edges, middles: np.ndarray, parents: np.ndarray, counts: np.ndarray) -> np.ndarray:
-    """(k,) int: how often each part's parent was halved on the way to it."""
-    cuts = (counts > 1).astype(np.int64)[parents]
-    where = triangles_in(mesh)
-    # The two halves of a triangle are cut once more where their own edge is: of parts in order, those of the half
-    # (m, 0, 1) come first, and there are two of them if edge 2 is cut.
-    inner = middles[edges.of_triangle] >= 0
-    in_triangle = (parents >= where.start) & (parents < where.stop)
-    part = np.arange(len(parents)) - (np.cumsum(counts) - counts)[parents]
-    owner = parents[in_triangle] - where.start
-    first_half = part[in_triangle] < 1 + inner[owner, 2]
-    cuts[in_triangle] += np.where(first_half, inner[owner, 2], inner[owner, 1])
-    return cuts
 
 
 def _middle_points(mesh: Mesh, ends: np.ndarray) -> np.ndarray:

@@ -412,10 +412,12 @@ def test_progress_and_cancelling():
 
 def test_new_faults_are_errors(monkeypatch):
     """Should a step ever leave a fault that was not there, the mesh is not handed out as if it were good."""
-    broken = cutting.bisected
-    monkeypatch.setattr(
-        cutting, "bisected", lambda t, m: (lambda parts, parents: (parts[:, [0, 2, 1]], parents))(*broken(t, m))
-    )
+
+    def inside_out(triangles, middles):
+        parts = bisection.bisected(triangles, middles)
+        return parts._replace(nodes=parts.nodes[:, [0, 2, 1]])
+
+    monkeypatch.setattr(cutting, "bisected", inside_out)
     with pytest.raises(GenerationFailed, match="not positively oriented") as caught:
         refined(SQUARE)
     assert len(caught.value.cells) == 32 and isinstance(caught.value.partial, Mesh)
