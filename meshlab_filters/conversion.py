@@ -1,0 +1,253 @@
+"""Layers of a MeshSet to meshes, and meshes to layers.
+
+MeshLab holds surfaces: faces of three corners, some of whose edges are hidden so that several faces show as one
+polygon, and polylines of edges. A volume is shown as two layers, its boundary and an exploded view of its cells.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import pymeshlab
+
+from meshcore import InvalidGeometry, InvalidInput, Mesh, MultiBlock, StructuredGrid, quality
+from meshcore.mesh import CELL_TYPES
+
+VERTEX_SCALAR, FACE_SCALAR, CELL = "vertex_scalar", "face_scalar", "cell"
+"""Names of MeshLab's own scalars among a mesh's data, and of the attribute that numbers cells."""
+
+SHRINK = 0.85
+"""Size of the cells of an exploded view."""
+
+
+def layer_of(ms: pymeshlab.MeshSet, layer: int | str | None, parameter: str = "layer") -> pymeshlab.Mesh:
+    """A layer by its id or label; the current one if None.
+
+    Raises
+    ------
+    InvalidInput
+        If there is none, or several have the label.
+    """
+    layers = {mesh.id(): mesh for mesh in ms}
+    if not layers:
+        raise InvalidInput("the MeshSet has no layers; load or create a mesh first", parameter=parameter)
+    if layer is None:
+        return ms.current_mesh()
+    if isinstance(layer, (int, np.integer)) and not isinstance(layer, bool) and int(layer) in layers:
+        return layers[int(layer)]
+    named = [mesh for mesh in layers.values() if mesh.label() == layer]
+    if len(named) == 1:
+        return named[0]
+    known = ", ".join(f"{number} {mesh.label()!r}" for number, mesh in layers.items())
+    what = "no layer" if not named else f"{len(named)} layers"
+    raise InvalidInput(f"{what} with the id or label {layer!r}; there are {known}", parameter=parameter)
+
+
+def to_mesh(layer: pymeshlab.Mesh, attributes: Sequence[str] = (), *, polygons: bool = True) -> Mesh:
+    """The layer as a mesh, in the world's coordinates: its faces, or its edges if it has no faces.
+
+    Parameters
+    ----------
+    layer : pymeshlab.Mesh
+        Is compacted: filters that delete leave gaps in the numbering.
+    attributes : sequence of str
+        Names of custom attributes to take along, since MeshLab cannot list them.
+    polygons : bool
+        Whether faces with hidden edges become quads, or stay the triangles that MeshLab has.
+
+    Raises
+    ------
+    InvalidInput
+        If an attribute does not exist, or a polygon has more than four corners.
+    InvalidGeometry
+        If coordinates are not finite.
+    """
+    if not layer.is_compact():
+        layer.compact()
+    points = layer.transformed_vertex_matrix() if layer.vertex_number() else np.empty((0, 3))
+    if not layer.face_number():
+        cells = {"line": layer.edge_matrix().astype(np.int64)} if layer.edge_number() else {}
+        return Mesh(points, cells, point_data=_point_data(layer, attributes))
+    faces = layer.polygonal_face_list() if polygons else None
+    if faces is None or all(len(face) == 3 for face in faces):
+        mesh = Mesh(points, {"triangle": layer.face_matrix().astype(np.int64)})
+        first = np.arange(layer.face_number())
+    else:
+        mesh, first = _polygon_mesh(points, faces, layer.face_matrix())
+    cell_data = {name: values[first] for name, values in _face_data(layer, attributes).items()}
+    mesh = mesh.with_point_data(**_point_data(layer, attributes)).with_cell_data(**cell_data)
+    for name in attributes:
+        if name not in mesh.point_data and name not in mesh.cell_data:
+            raise InvalidInput(f"the layer {layer.label()!r} has no attribute {name!r}", parameter="attributes")
+    return mesh
+
+
+def _polygon_mesh(points: np.ndarray, faces: list[np.ndarray], triangles: np.ndarray) -> tuple[Mesh, np.ndarray]:
+    """A mesh of triangles and quads, and for each cell one of the triangles that show it."""
+    sizes = np.array([len(face) for face in faces])
+    if sizes.max() > 4:
+        k = int(np.argmax(sizes > 4))
+        raise InvalidInput(
+            f"polygon {k} has {sizes[k]} corners; triangulate it by meshing_poly_to_tri first", parameter="layer"
+        )
+    cells, order = {}, []
+    for kind, count in (("triangle", 3), ("quad", 4)):
+        chosen = np.flatnonzero(sizes == count)
+        if len(chosen):
+            cells[kind] = np.array([faces[k] for k in chosen], np.int64)
+            order.append(chosen)
+    # The triangles of a polygon follow each other in MeshLab's order, n - 2 of them for n corners.
+    start = np.concatenate([[0], np.cumsum(sizes - 2)[:-1]])
+    if int((sizes - 2).sum()) != len(triangles):
+        start = np.zeros(len(sizes), int)
+    return Mesh(points, cells), start[np.concatenate(order)]
+
+
+def _point_data(layer: pymeshlab.Mesh, attributes: Sequence[str]) -> dict[str, np.ndarray]:
+    data = {VERTEX_SCALAR: layer.vertex_scalar_array()} if layer.has_vertex_scalar() else {}
+    readers = (layer.vertex_custom_scalar_attribute_array, layer.vertex_custom_point_attribute_matrix)
+    return {**data, **_custom(attributes, readers, layer.vertex_number())}
+
+
+def _face_data(layer: pymeshlab.Mesh, attributes: Sequence[str]) -> dict[str, np.ndarray]:
+    data = {FACE_SCALAR: layer.face_scalar_array()} if layer.has_face_scalar() else {}
+    readers = (layer.face_custom_scalar_attribute_array, layer.face_custom_point_attribute_matrix)
+    return {**data, **_custom(attributes, readers, layer.face_number())}
+
+
+def _custom(attributes: Sequence[str], readers: Sequence, count: int) -> dict[str, np.ndarray]:
+    found = {}
+    for name in attributes:
+        for read in readers:
+            try:
+                values = read(name)
+            except pymeshlab.PyMeshLabException:
+                continue  # the only way to ask whether an attribute exists
+            if len(values) == count:
+                found[name] = values
+                break
+    return found
+
+
+def to_boundary(layer: pymeshlab.Mesh, parameter: str) -> Mesh:
+    """The layer as lines: its edges, or else the edges of its faces that have a face on one side only.
+
+    Points at the same place are joined, since polylines often come with the ends of each edge on their own.
+
+    Raises
+    ------
+    InvalidGeometry
+        If there are no such lines.
+    """
+    mesh = to_mesh(layer)
+    if layer.face_number():
+        mesh = Mesh(mesh.points, {"line": mesh.boundary.get("line")})
+        if not mesh.n_cells:
+            raise InvalidGeometry(
+                f"the surface {layer.label()!r} is closed: it has no boundary edges to begin from", parameter=parameter
+            )
+    elif layer.edge_number():
+        places, first, number = np.unique(mesh.points, axis=0, return_index=True, return_inverse=True)
+        if len(places) < mesh.n_points:
+            mesh = Mesh(mesh.points, {"line": first[number.ravel()][mesh.get("line")]})
+    else:
+        raise InvalidGeometry(
+            f"the layer {layer.label()!r} has {layer.vertex_number()} vertices, but neither edges nor faces",
+            parameter=parameter,
+        )
+    return mesh.compacted()
+
+
+def layers(
+    result: Mesh | StructuredGrid | MultiBlock, label: str, measure: str
+) -> Iterator[tuple[str, pymeshlab.Mesh]]:
+    """Labels and layers that show a mesh: one for lines and surfaces, two for a volume, one or two a block.
+
+    Parameters
+    ----------
+    result : Mesh, StructuredGrid or MultiBlock
+        What to show.
+    label : str
+        Label of the first layer.
+    measure : str
+        Quality measure for the face scalars; with no such measure for its cells, a layer has none.
+    """
+    if isinstance(result, MultiBlock):
+        for name, block in zip(result.names, result.blocks, strict=True):
+            yield from layers(block, f"{label} {name}", measure)
+        return
+    mesh = result.to_mesh() if isinstance(result, StructuredGrid) else result
+    values = quality.measure(mesh, measure) if measure else np.full(mesh.n_cells, np.nan)
+    if mesh.dimension == 3:
+        outside = mesh.boundary
+        yield label, _surface(outside, outside.cell_data["cell"], values, mesh.cell_data)
+        yield f"{label} exploded", _exploded(mesh, values)
+    elif mesh.dimension == 2:
+        kept = np.concatenate([np.arange(w.start, w.stop) for k, _, w in mesh.blocks() if CELL_TYPES[k].dimension == 2])
+        surface = Mesh(
+            mesh.points,
+            {k: c for k, c in mesh.cells.items() if CELL_TYPES[k].dimension == 2},
+            point_data=mesh.point_data,
+        )
+        yield label, _surface(surface, kept, values, mesh.cell_data)
+    else:
+        if not mesh.n_points:
+            raise InvalidInput("the mesh is empty; there is nothing to show", parameter="result")
+        lines = mesh.get("line").astype(np.int32)
+        layer = pymeshlab.Mesh(vertex_matrix=mesh.points, edge_matrix=lines) if len(lines) else None
+        yield label, _with_vertex_data(layer or pymeshlab.Mesh(vertex_matrix=mesh.points), mesh.point_data)
+
+
+def _surface(surface: Mesh, cell: np.ndarray, values: np.ndarray, data: dict[str, np.ndarray]) -> pymeshlab.Mesh:
+    """Faces as a layer; ``cell`` is the number of each face's cell, ``values`` and ``data`` are by these numbers."""
+    scalars = values[cell]
+    use = {} if np.isnan(scalars).all() else {"f_scalar_array": np.nan_to_num(scalars, posinf=1e30, neginf=-1e30)}
+    corners = {k: c[:, : len(CELL_TYPES[k].edges)] for k, c in surface.cells.items()}
+    if all(c.shape[1] == 3 for c in corners.values()):
+        triangles = np.concatenate(list(corners.values())).astype(np.int32)
+        layer = pymeshlab.Mesh(vertex_matrix=surface.points, face_matrix=triangles, **use)
+        face = np.arange(len(triangles))
+    else:
+        polygons = [face for c in corners.values() for face in c.astype(np.uint32)]
+        layer = pymeshlab.Mesh(surface.points, polygons, **use)
+        face = layer.face_custom_scalar_attribute_array("poly_birth_faces").astype(np.int64)
+    layer.add_face_custom_scalar_attribute(cell[face].astype(float), CELL)
+    for name, array in data.items():
+        _add(layer.add_face_custom_scalar_attribute, layer.add_face_custom_point_attribute, name, array[cell][face])
+    return _with_vertex_data(layer, surface.point_data)
+
+
+def _with_vertex_data(layer: pymeshlab.Mesh, data: dict[str, np.ndarray]) -> pymeshlab.Mesh:
+    for name, array in data.items():
+        _add(layer.add_vertex_custom_scalar_attribute, layer.add_vertex_custom_point_attribute, name, array)
+    return layer
+
+
+def _add(scalar, vector, name: str, array: np.ndarray) -> None:
+    """Attach an array of numbers or of 3-vectors; MeshLab has no place for others."""
+    if array.dtype.kind not in "fiub" or name in (CELL, FACE_SCALAR, VERTEX_SCALAR):
+        return
+    if array.ndim == 1:
+        scalar(array.astype(float), name)
+    elif array.ndim == 2 and array.shape[1] == 3:
+        vector(array.astype(float), name)
+
+
+def _exploded(mesh: Mesh, values: np.ndarray) -> pymeshlab.Mesh:
+    """Each solid cell with its own corners and faces, shrunk towards its middle, so that one can look between."""
+    points, faces, cell, start = [], {3: [], 4: []}, {3: [], 4: []}, 0
+    for kind, cells, where in mesh.blocks():
+        if CELL_TYPES[kind].dimension < 3 or not len(cells):
+            continue
+        corners = mesh.points[cells[:, : CELL_TYPES[CELL_TYPES[kind].linear or kind].nodes]]
+        middle = corners.mean(axis=1, keepdims=True)
+        points.append((middle + SHRINK * (corners - middle)).reshape(-1, 3))
+        own = start + np.arange(corners[..., 0].size).reshape(corners.shape[:2])
+        start += own.size
+        for local in CELL_TYPES[kind].facets:
+            faces[len(local)].append(own[:, local])
+            cell[len(local)].append(np.arange(where.start, where.stop))
+    kinds = {name: np.concatenate(faces[n]) for n, name in ((3, "triangle"), (4, "quad")) if faces[n]}
+    numbers = np.concatenate([part for n in (3, 4) for part in cell[n]])
+    return _surface(Mesh(np.concatenate(points), kinds), numbers, values, mesh.cell_data)
