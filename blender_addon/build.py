@@ -20,6 +20,7 @@ import tempfile
 import zipfile
 from collections.abc import Iterable
 from pathlib import Path
+from platform import machine
 from typing import NamedTuple
 
 HERE = Path(__file__).resolve().parent
@@ -118,6 +119,12 @@ def declarations() -> str:
     )
 
 
+def this_platform() -> str:
+    """The platform that this runs on, in the words of Blender's manifests."""
+    system = {"win32": "windows", "darwin": "macos"}.get(sys.platform, "linux")
+    return f"{system}-{'arm64' if machine().lower() in ('arm64', 'aarch64') else 'x64'}"
+
+
 def _manifest(version: str, python: str, platform: str, wheels: list[Path]) -> str:
     target = TARGETS[python]
     template = string.Template((HERE / "blender_manifest.toml").read_text(encoding="utf-8"))
@@ -201,9 +208,9 @@ def main(arguments: list[str] | None = None) -> int:
     """The command line."""
     parser = argparse.ArgumentParser(description="Build the extension's zip.")
     parser.add_argument("--python", default="3.11", choices=list(TARGETS), help="Python of that Blender")
-    parser.add_argument("--platform", default="linux-x64", choices=list(PLATFORMS))
+    parser.add_argument("--platform", default=this_platform(), choices=list(PLATFORMS), help="default: %(default)s")
     parser.add_argument("--without-wheels", action="store_true", help="only the add-on itself")
-    parser.add_argument("folder", nargs="?", default="out", help="where the zip goes (default: out)")
+    parser.add_argument("folder", nargs="?", default="dist", help="where the zip goes (default: %(default)s)")
     given = parser.parse_args(arguments)
     zip_path = build(given.folder, python=given.python, platform=given.platform, wheels=not given.without_wheels)
     print(f"{zip_path}  {zip_path.stat().st_size / 1e6:.1f} MB")

@@ -64,11 +64,14 @@ class Source:
         The object's name.
     vertices : (n,) int or None
         Vertex of the object for each point of the mesh; None if modifiers made the points.
+    faces : (m,) int or None
+        Face of the object for each cell of the mesh; None for lines, and if modifiers made the faces.
     """
 
     mesh: Mesh
     name: str
     vertices: np.ndarray | None = None
+    faces: np.ndarray | None = None
 
 
 def read(context: Any, ob: Any, kinds: Sequence[str]) -> Source:
@@ -92,16 +95,18 @@ def read(context: Any, ob: Any, kinds: Sequence[str]) -> Source:
         return Source(stored.transformed(matrix), ob.name, np.arange(stored.n_points))
     lines_only = bool(kinds) and set(kinds) <= {"line"}
     with _geometry(context, ob, lines_only) as (data, matrix, selection):
+        faces = None
         if lines_only:
             cells, cell_data = _lines(data, selection)
             missing = _no_lines(ob, data)
         else:
-            cells, cell_data = _faces(data, quads=not kinds or "quad" in kinds)
+            cells, cell_data, faces = _faces(data, quads=not kinds or "quad" in kinds)
             missing = f"{ob.name} has no faces; give a mesh with faces"
         if not sum(map(len, cells.values())):
             raise ReadingFailed(missing, ob.name)
         points = array(data.vertices, "co", np.float32, 3).astype(float)
         original = ob.type == "MESH" and len(ob.data.vertices) == len(points)
+        original = original and len(ob.data.polygons) == len(data.polygons)
         used = np.zeros(len(points), bool)
         for nodes in cells.values():
             used[nodes] = True
@@ -114,7 +119,7 @@ def read(context: Any, ob: Any, kinds: Sequence[str]) -> Source:
     except InvalidGeometry as error:
         at_fault = vertices[list(error.points)] if original else ()
         raise ReadingFailed(f"{ob.name}: {error}", ob.name, at_fault) from None
-    return Source(mesh, ob.name, vertices if original else None)
+    return Source(mesh, ob.name, vertices, faces) if original else Source(mesh, ob.name)
 
 
 def _checked(points: np.ndarray, cells: dict, point_data: dict, cell_data: dict, matrix: np.ndarray) -> Mesh:
@@ -168,8 +173,8 @@ def _no_lines(ob: Any, data: Any) -> str:
     return f"{ob.name} is closed and has no open boundary; select edges of it in Edit Mode"
 
 
-def _faces(data: Any, quads: bool) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
-    """Faces as triangles, and as quads where that is wanted; faces of more corners are triangulated."""
+def _faces(data: Any, quads: bool) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray], np.ndarray]:
+    """Faces as triangles, and as quads where that is wanted, their data, and which face each cell is of."""
     total = array(data.polygons, "loop_total", np.int32)
     start = array(data.polygons, "loop_start", np.int32)
     corners = array(data.loops, "vertex_index", np.int32)
@@ -180,7 +185,7 @@ def _faces(data: Any, quads: bool) -> tuple[dict[str, np.ndarray], dict[str, np.
     left = ~np.isin(owner, whole)
     cells = {"triangle": triangles[left], "quad": corners[start[whole][:, None] + np.arange(4)]}
     faces = np.concatenate([owner[left], whole])
-    return cells, {name: values[faces] for name, values in _attributes(data, "FACE").items()}
+    return cells, {name: values[faces] for name, values in _attributes(data, "FACE").items()}, faces
 
 
 def array(collection: Any, name: str, dtype: Any, width: int = 1) -> np.ndarray:
@@ -202,7 +207,9 @@ def _attributes(data: Any, domain: str) -> dict[str, np.ndarray]:
         own = attribute.name in _OWN or attribute.name.startswith(".")
         if attribute.domain == domain and attribute.data_type in _READ and not own:
             name, dtype, width = _READ[attribute.data_type]
-            found[attribute.name] = array(attribute.data, name, dtype, width)
+            values = array(attribute.data, name, dtype, width)
+            # meshcore computes with 64 bits; arithmetic on 32 would lose what digits there are.
+            found[attribute.name] = values.astype(float) if dtype is np.float32 else values
     return found
 
 

@@ -18,7 +18,6 @@ import bpy
 from . import inputs, properties, results, selection
 from .convert import ReadingFailed, Source
 from .jobs import COMPILING, Job
-from .overrides import OVERRIDES
 
 PREFIX = "meshcore."
 QUICK = 0.25
@@ -53,10 +52,10 @@ class OperationBase:
         """Fill in lengths that depend on the input, and compute in the background."""
         try:
             self._sources = inputs.gather(context, self.declaration)
+            self._fill_lengths()
+            self._job = Job(self._call(context))
         except Exception as error:  # whatever it is, the user gets one line and keeps the scene
             return self._failed(error)
-        self._fill_lengths()
-        self._job = Job(self._call())
         self._job.start()
         if self._job.wait(QUICK):
             return self._finish(context)
@@ -91,7 +90,7 @@ class OperationBase:
         context.workspace.status_text_set(f"meshcore: {COMPILING}")
         try:
             self._sources = inputs.gather(context, self.declaration)
-            self._job = Job(self._call(), lambda fraction, message: manager.progress_update(int(100 * fraction)))
+            self._job = Job(self._call(context), lambda fraction, message: manager.progress_update(int(100 * fraction)))
             self._job.run()
         except Exception as error:  # whatever it is, the user gets one line and keeps the scene
             return self._failed(error)
@@ -106,13 +105,18 @@ class OperationBase:
 
     # ---- steps
 
-    def _call(self) -> functools.partial:
+    def _call(self, context: Any) -> functools.partial:
         """The operation with its inputs and parameters, ready for any thread."""
         import meshcore
 
         function = meshcore.operations()[self.identifier].function
         arguments = properties.values(self.declaration["params"], self)
+        arguments |= self.extra(context, arguments)
         return functools.partial(function, *[source.mesh for source in self._sources], **arguments)
+
+    def extra(self, context: Any, arguments: dict[str, Any]) -> dict[str, Any]:
+        """More keyword arguments than the properties give; for hand-written operators."""
+        return {}
 
     def _fill_lengths(self) -> None:
         """Show relative lengths as what they are for this input, unless the caller set them."""
@@ -207,9 +211,9 @@ def draw_parameters(layout: Any, properties_of: Any, params: dict[str, dict[str,
 
 
 def operator_class(identifier: str, declaration: dict[str, Any]) -> type:
-    """The operator of one operation: the hand-written one where there is one."""
-    if identifier in OVERRIDES:
-        return OVERRIDES[identifier]
+    """The operator of one operation, on its hand-written base where there is one."""
+    from .overrides import OVERRIDES
+
     body = {
         "__doc__": declaration["summary"],
         "__annotations__": {name: properties.annotation(one) for name, one in declaration["params"].items()},
@@ -220,7 +224,8 @@ def operator_class(identifier: str, declaration: dict[str, Any]) -> type:
         "bl_description": declaration["summary"].rstrip("."),
         "bl_options": {"REGISTER", "UNDO"},
     }
-    return type(f"MESHCORE_OT_{identifier}", (OperationBase, bpy.types.Operator), body)
+    base = OVERRIDES.get(identifier, OperationBase)
+    return type(f"MESHCORE_OT_{identifier}", (base, bpy.types.Operator), body)
 
 
 _registered: list[type] = []

@@ -53,8 +53,14 @@ def from_core(name: str, mesh: Any) -> Any:
 
 
 def rounded(mesh: Any) -> Any:
-    """A core mesh as Blender stores it: coordinates of 32 bits."""
-    return mesh.with_points(mesh.points.astype(np.float32).astype(float))
+    """A core mesh as Blender stores it: coordinates and data of 32 bits."""
+
+    def single(values: np.ndarray) -> np.ndarray:
+        return values.astype(np.float32).astype(float) if values.dtype.kind == "f" else values
+
+    points = {name: single(values) for name, values in mesh.point_data.items()}
+    cells = {name: single(values) for name, values in mesh.cell_data.items()}
+    return mesh.with_points(single(mesh.points)).with_point_data(**points).with_cell_data(**cells)
 
 
 def world_points(ob: Any) -> np.ndarray:

@@ -249,21 +249,22 @@ def test_scripts_and_the_redo_panel_wait_for_the_result(installed):
 
 
 def test_hand_written_operator_takes_the_place_of_the_generated_one(operators, monkeypatch):
-    class Ours(operators.OperationBase, bpy.types.Operator):
-        bl_idname, bl_label = "meshcore.transfinite", "Ours"
-        identifier = "transfinite"
-
+    class Ours(operators.OperationBase):
         def execute(self, context):
+            self.report({"WARNING"}, f"ours, with {self.cells_i} cells")
             return {"FINISHED"}
 
     overrides = __import__("bl_ext.user_default.meshcore.overrides", fromlist=["OVERRIDES"])
     monkeypatch.setitem(overrides.OVERRIDES, "transfinite", Ours)
+    scene.add_mesh("square", SQUARE, LOOP)
     operators.unregister()
     operators.register()
     try:
-        assert bpy.ops.meshcore.transfinite.get_rna_type().name == "Ours"
+        assert bpy.ops.meshcore.transfinite(cells_i=7) == {"FINISHED"}
+        assert scene.names() == {"square"}
     finally:
         monkeypatch.undo()
         operators.unregister()
         operators.register()
-    assert bpy.ops.meshcore.transfinite.get_rna_type().name == "Transfinite Interpolation"
+    assert bpy.ops.meshcore.transfinite(cells_i=7, cells_j=7) == {"FINISHED"}
+    assert len(bpy.data.objects) == 2
