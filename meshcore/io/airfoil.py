@@ -26,7 +26,7 @@ from .content import exact, number, text_of
 from .fit import Holds
 from .registry import register
 
-_COMMENT = re.compile(r"\s*(#|!|%|//|;).*")
+_COMMENT = re.compile(r"\s*(#|!|%|//).*|^\s*;.*")
 _SEPARATOR = re.compile(r"[\s,;]+")
 
 
@@ -82,7 +82,7 @@ def _without_counts(rows: list[tuple[int, float, float]], *, has_title: bool) ->
             return rows[1:]
         if has_title:
             raise InvalidInput(f"line {line}: it promises {a:g} and {b:g} coordinates, but there are {len(rest)}")
-        return rows[1:]  # a title such as "4412 64"
+        return _without_counts(rows[1:], has_title=True)  # a title such as "4412 64"
     return rows
 
 
