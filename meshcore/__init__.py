@@ -10,6 +10,7 @@ from .operation import Length, Relative, operations
 from .progress import Progress, silent
 from .report import Report, Result
 from .structured import o_grid, transfinite
+from .unstructured import delaunay_2d, delaunay_refinement
 
 __all__ = [
     "Cancelled",
@@ -27,6 +28,8 @@ __all__ = [
     "Result",
     "StructuredGrid",
     "adapt",
+    "delaunay_2d",
+    "delaunay_refinement",
     "io",
     "o_grid",
     "operations",

@@ -1,0 +1,128 @@
+"""Planes in space: the plane of a nearly planar loop, and coordinates in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import InvalidGeometry
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """A plane with an orthonormal frame.
+
+    Parameters
+    ----------
+    origin : (3,) float
+        A point of the plane.
+    axes : (2, 3) float
+        Unit vectors along its own x and y; their cross product is the normal.
+
+    Examples
+    --------
+    >>> plane = fitted_plane([[0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
+    >>> plane.to_plane([[0.5, 0.25, 1]])
+    array([[0.5 , 0.25]])
+    >>> plane.to_space([[0.5, 0.25]])
+    array([[0.5 , 0.25, 1.  ]])
+    """
+
+    origin: np.ndarray
+    axes: np.ndarray
+
+    @property
+    def normal(self) -> np.ndarray:
+        """(3,) float: unit normal."""
+        return np.cross(*self.axes)
+
+    @property
+    def _kept_axes(self) -> np.ndarray | None:
+        """The two coordinates that the plane's own are, where the frame only drops one."""
+        columns = self.axes.argmax(axis=1)
+        return columns if (self.axes[[0, 1], columns] == 1).all() and not self.origin[columns].any() else None
+
+    def to_plane(self, points: np.ndarray) -> np.ndarray:
+        """(n, 2) float: points of space in the plane's own coordinates, to the last bit where the frame allows."""
+        points = np.asarray(points, float)
+        if (kept := self._kept_axes) is not None:
+            return np.ascontiguousarray(points[:, kept])
+        return (points - self.origin) @ self.axes.T
+
+    def to_space(self, points: np.ndarray) -> np.ndarray:
+        """(n, 3) float: points of the plane in space."""
+        points = np.asarray(points, float)
+        if (kept := self._kept_axes) is not None:
+            spatial = np.tile(self.origin, (len(points), 1))
+            spatial[:, kept] = points
+            return spatial
+        return self.origin + points @ self.axes
+
+    def deviations(self, points: np.ndarray) -> np.ndarray:
+        """(n,) float: signed distances of points from the plane."""
+        return (np.asarray(points, float) - self.origin) @ self.normal
+
+
+# The right-handed pair of coordinates that remains when one is constant.
+_REMAINING = {2: (0, 1), 1: (2, 0), 0: (1, 2)}
+
+
+def fitted_plane(points: np.ndarray, *, tolerance: float = 1e-6, parameter: str = "points") -> Plane:
+    """The plane that points lie in, up to a tolerance.
+
+    Where a coordinate is the same for all points, the frame is the other two axes and nothing is rounded; else it is
+    the plane of least squares, its normal turned so that its largest component is positive.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        Points in space.
+    tolerance : float
+        Largest distance from the plane, as a share of the bounding box's diagonal.
+    parameter : str
+        Name of the input, for the message.
+
+    Returns
+    -------
+    Plane
+
+    Raises
+    ------
+    InvalidGeometry
+        If a point is farther from the plane than the tolerance; it names the largest deviation.
+
+    Examples
+    --------
+    >>> fitted_plane([[0, 0, 0], [1, 0, 1], [1, 1, 1], [0, 1, 0]]).normal.round(6).tolist()
+    [-0.707107, 0.0, 0.707107]
+    """
+    points = np.asarray(points, float).reshape(-1, 3)
+    if not len(points):
+        return Plane(np.zeros(3), np.eye(3)[:2])
+    spread = np.ptp(points, axis=0)
+    constant = np.flatnonzero(spread == 0)
+    if len(constant):
+        axis = int(constant[-1])  # z first, then y, then x
+        origin = np.zeros(3)
+        origin[axis] = points[0, axis]
+        return Plane(origin, np.eye(3)[list(_REMAINING[axis])])
+    scale = float(spread.max())
+    centre = points.min(axis=0) / 2 + points.max(axis=0) / 2
+    relative = (points - centre) / scale
+    mean = relative.mean(axis=0)
+    _, vectors = np.linalg.eigh((relative - mean).T @ (relative - mean))
+    normal = vectors[:, 0] * np.copysign(1.0, vectors[np.abs(vectors[:, 0]).argmax(), 0])
+    first = vectors[:, 2] * np.copysign(1.0, vectors[np.abs(vectors[:, 2]).argmax(), 2])
+    plane = Plane(centre + scale * mean, np.array([first, np.cross(normal, first)]))
+    distance = np.abs(plane.deviations(points))
+    allowed = tolerance * float(np.linalg.norm(spread / scale)) * scale
+    if distance.max() > allowed:
+        far = np.flatnonzero(distance > allowed)
+        raise InvalidGeometry(
+            f"is not planar: point {distance.argmax()} is {distance.max():.4g} off the best plane, "
+            f"{allowed:.4g} is allowed; flatten it first",
+            parameter=parameter,
+            points=far,
+        )
+    return plane

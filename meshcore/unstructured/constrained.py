@@ -1,0 +1,201 @@
+"""Constrained Delaunay triangulation of a planar graph, and the faces of it that are to be meshed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..errors import GenerationFailed, InvalidGeometry
+from ..geometry import predicates
+from ..progress import Progress, advance, part_of
+from . import _constrained_kernels as constrained_kernels
+from . import _half_edge_kernels as half_edges
+from .nesting import nesting_levels
+from .planar_graph import (
+    ON_SEGMENT,
+    PlanarGraph,
+    crossing_pairs,
+    crossing_points,
+    split_at_crossings,
+)
+from .triangulation import Triangulation, grown, triangulated
+
+_EDGES_A_CHUNK = 200_000
+_MAX_CROSSING_ROUNDS = 20
+
+
+@dataclass
+class ConstrainedTriangulation:
+    """A triangulation with every segment of a graph as edges.
+
+    Attributes
+    ----------
+    triangulation : Triangulation
+        Of the graph's points times ``2**exponent``.
+    graph : PlanarGraph
+        What was triangulated.
+    exponent : int
+        Scale, see `predicates.rescaled`.
+    pieces : (p, 3) int32
+        Vertices at the ends of each piece of a segment, and the segment.
+    piece_of : (4 * capacity,) int32
+        Piece under each constrained half-edge.
+    face : (capacity,) int32
+        Face of each triangle; 0 is the outside.
+    n_faces : int
+        Number of faces.
+    """
+
+    triangulation: Triangulation
+    graph: PlanarGraph
+    exponent: int
+    pieces: np.ndarray
+    piece_of: np.ndarray
+    face: np.ndarray
+    n_faces: int
+
+    @property
+    def line(self) -> np.ndarray:
+        """(p,) int: number of the input line under each piece."""
+        return self.graph.line[self.pieces[:, 2]]
+
+    @cached_property
+    def faces_beside(self) -> tuple[np.ndarray, np.ndarray]:
+        """(p,) int: the faces left and right of each piece, as they are before refinement."""
+        mesh = self.triangulation
+        slots = mesh.n_triangles
+        sides = np.zeros((2, len(self.pieces)), np.int64)
+        flags = mesh.origin[3 : 4 * slots : 4]
+        for k in range(3):
+            t = np.flatnonzero(flags >> k & 1)
+            piece = self.piece_of[4 * t + k]
+            backward = mesh.origin[4 * t + k] != self.pieces[piece, 0]
+            sides[backward.astype(int), piece] = self.face[t]
+        return sides[0], sides[1]
+
+
+def constrained(graph: PlanarGraph, *, split_crossings: bool, parameter: str, progress: Progress):
+    """Triangulate a planar graph with its segments kept.
+
+    Points on segments split them. Where segments cross, they are split there too, or refused.
+
+    Returns
+    -------
+    ConstrainedTriangulation
+
+    Raises
+    ------
+    InvalidGeometry
+        If segments cross and are not to be split; it names where.
+    """
+    for _ in range(_MAX_CROSSING_ROUNDS):
+        scaled, exponent = predicates.rescaled(graph.points)
+        mesh = triangulated(scaled, part_of(progress, 0.0, 0.5), parameter)
+        pieces, piece_of, crossed = _inserted(mesh, graph, part_of(progress, 0.5, 1.0))
+        if not len(crossed):
+            face = np.empty(len(mesh.origin) // 4, np.int32)
+            stack = np.empty(3 * mesh.n_triangles + 8, np.int32)
+            n_faces = half_edges.label_faces(mesh.origin, mesh.twin, mesh.n_triangles, face, stack)
+            return ConstrainedTriangulation(mesh, graph, exponent, pieces, piece_of, face, n_faces)
+        pairs = crossing_pairs(graph, crossed[: None if split_crossings else 200])
+        if not split_crossings:
+            _refuse(graph, pairs, crossed, parameter)
+        if not len(pairs):
+            break
+        graph = split_at_crossings(graph, pairs)
+    raise InvalidGeometry(
+        "crossings of lines lie so near each other that splitting does not come to an end; clean the lines there",
+        parameter=parameter,
+        cells=np.unique(graph.line[crossed]),
+    )
+
+
+def _refuse(graph: PlanarGraph, pairs: np.ndarray, crossed: np.ndarray, parameter: str) -> None:
+    cells = np.unique(graph.line[np.append(pairs.ravel(), crossed)])
+    ends = graph.source[graph.segments[np.append(pairs.ravel(), crossed)]].ravel()
+    cure = "separate them, or choose crossings = split"
+    if not len(pairs):
+        raise InvalidGeometry(
+            f"line {cells[0]} overlaps or crosses another; {cure}",
+            parameter=parameter,
+            cells=cells,
+            points=np.unique(ends[ends >= 0]),
+        )
+    x, y = crossing_points(graph, pairs[:1])[0]
+    first, second = graph.line[pairs[0]]
+    more = f" ({len(crossed):,} lines cross others in all)" if len(crossed) > 1 else ""
+    raise InvalidGeometry(
+        f"line {first} and line {second} cross at ({x:.6g}, {y:.6g}){more}; {cure}",
+        parameter=parameter,
+        cells=cells,
+        points=np.unique(ends[ends >= 0]),
+    )
+
+
+def _inserted(mesh: Triangulation, graph: PlanarGraph, progress: Progress):
+    """Insert the segments; the pieces, the piece of each half-edge, and the segments that cross others."""
+    kernels = constrained_kernels
+    segments = np.ascontiguousarray(mesh.vertex_of[graph.segments], dtype=np.int32)
+    vertex_edge = np.empty(len(mesh.order) + 1, np.int32)
+    piece_of = np.full(len(mesh.origin), -1, np.int32)
+    kernels.map_vertices(mesh.origin, mesh.twin, mesh.n_triangles, vertex_edge)
+    pieces = np.empty((len(segments) + 64, 3), np.int32)
+    crossed = np.empty(64, np.int32)
+    tolerance = ON_SEGMENT * float(np.abs(mesh.xy).max())
+    state = np.array([0, -1, -1, 0, 0, 0], np.int64)
+    status = half_edges.MORE
+    while status in (half_edges.MORE, half_edges.FULL):
+        advance(progress, state[kernels.SEGMENT] / len(segments), "inserting lines")
+        status = kernels.insert_segments(
+            mesh.xy, mesh.origin, mesh.twin, piece_of, vertex_edge, segments, pieces, crossed, mesh.scratch.stack,
+            mesh.scratch.work, tolerance, state, _EDGES_A_CHUNK,
+        )  # fmt: skip
+        if status == half_edges.FULL:
+            mesh.scratch.grow()
+            pieces = grown(pieces, 2 * len(pieces))
+            crossed = grown(crossed, 2 * len(crossed))
+    if status != half_edges.DONE:
+        raise GenerationFailed(
+            f"line {graph.line[state[kernels.SEGMENT]]} could not be made an edge of the triangulation; "
+            "please report the lines"
+        )
+    return pieces[: state[kernels.PIECES]], piece_of, crossed[: state[kernels.CROSSED]].astype(np.int64)
+
+
+def faces_of_points(mesh: ConstrainedTriangulation, points: np.ndarray, parameter: str) -> np.ndarray:
+    """(k,) int: the face that each point lies in; 0 outside.
+
+    Raises
+    ------
+    InvalidGeometry
+        If a point lies on a line, between two faces.
+    """
+    corners, slots = mesh.triangulation.live()
+    xy = mesh.triangulation.xy.reshape(-1, 2)
+    a, b, c = (xy[corners[:, k]] for k in range(3))
+    low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+    found = np.zeros(len(points), np.int64)
+    for k, p in enumerate(np.ldexp(points, mesh.exponent)):
+        near = np.flatnonzero(((low <= p) & (high >= p)).all(axis=1))
+        inside = [predicates.orient2d(u[near], v[near], p) >= 0 for u, v in ((a, b), (b, c), (c, a))]
+        faces = np.unique(mesh.face[slots[near[np.logical_and.reduce(inside)]]])
+        if len(faces) > 1:
+            raise InvalidGeometry(
+                f"point {k} at ({points[k, 0]:.6g}, {points[k, 1]:.6g}) lies on a line between two faces; move it off",
+                parameter=parameter,
+            )
+        found[k] = faces[0] if len(faces) else 0
+    return found
+
+
+def levels(mesh: ConstrainedTriangulation) -> np.ndarray:
+    """(n_faces,) int: 1 for faces inside by the even-odd rule, else 0."""
+    left, right = mesh.faces_beside
+    return nesting_levels(mesh.pieces[:, :2].astype(np.int64), left, right, mesh.n_faces)
+
+
+def loose_ends(graph: PlanarGraph) -> np.ndarray:
+    """(k,) int: points of the graph where one segment ends alone."""
+    return np.flatnonzero(np.bincount(graph.segments.ravel(), minlength=len(graph.points)) == 1)

@@ -1,0 +1,157 @@
+"""What of a constrained triangulation is meshed: holes, regions, and their limits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..errors import InvalidGeometry, InvalidInput
+from ..geometry.plane import Plane
+from ..mesh import Mesh
+from .constrained import ConstrainedTriangulation, faces_of_points, levels, loose_ends
+
+
+@dataclass
+class Seeds:
+    """Points that mark holes and regions, in the plane of the boundary.
+
+    Attributes
+    ----------
+    holes : (k, 2) float or None
+        None: closed loops nest by the even-odd rule.
+    regions : (k, 2) float
+        A point in each region.
+    tags : (k,) int
+        Number of each region.
+    max_areas : (k,) float
+        Largest area of a triangle there; infinite where none is asked for.
+    """
+
+    holes: np.ndarray | None
+    regions: np.ndarray
+    tags: np.ndarray
+    max_areas: np.ndarray
+
+
+@dataclass
+class Domain:
+    """The faces to be meshed.
+
+    Attributes
+    ----------
+    keep : (n_faces,) bool
+        Whether a face is meshed.
+    tag : (n_faces,) int
+        Region that its triangles get.
+    max_area : (n_faces,) float
+        Largest area of a triangle.
+    warnings : list of str
+        Seeds that had no effect and the like.
+    """
+
+    keep: np.ndarray
+    tag: np.ndarray
+    max_area: np.ndarray
+    warnings: list[str]
+
+
+def seeds(boundary: Mesh, holes: Any, regions: Any, plane: Plane) -> Seeds:
+    """Holes and regions as given, or else as ``boundary.field_data`` has them."""
+    if holes is None:
+        holes = boundary.field_data.get("holes")
+    if regions is None:
+        regions = boundary.field_data.get("regions")
+    if holes is not None:
+        holes = _rows("holes", holes, (2, 3))
+        holes = plane.to_plane(holes) if holes.shape[1] == 3 else holes
+        holes = holes if len(holes) else None
+    regions = _rows("regions", regions if regions is not None else np.empty((0, 2)), (2, 3, 4))
+    number = np.arange(1.0, len(regions) + 1)
+    tags = regions[:, 2] if regions.shape[1] > 2 else number
+    if (tags != np.rint(tags)).any():
+        raise InvalidInput(f"tags must be whole numbers, got {tags[tags != np.rint(tags)][0]:g}", parameter="regions")
+    areas = np.full(len(regions), np.inf)
+    if regions.shape[1] > 3:
+        areas = np.where(regions[:, 3] > 0, regions[:, 3], np.inf)  # as in Triangle, no limit is written as -1
+    return Seeds(holes, regions[:, :2], tags.astype(np.int64), areas)
+
+
+def _rows(name: str, values: Any, widths: tuple[int, ...]) -> np.ndarray:
+    try:
+        rows = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidInput(f"needs numbers, as a (k, {widths[-1]}) array", parameter=name) from None
+    if rows.size == 0:
+        return np.empty((0, widths[0]))
+    if rows.ndim != 2 or rows.shape[1] not in widths:
+        raise InvalidInput(
+            f"needs shape (k, {' or '.join(map(str, widths))}), got {rows.shape}; one row a point", parameter=name
+        )
+    if not np.isfinite(rows).all():
+        raise InvalidInput(f"row {np.flatnonzero(~np.isfinite(rows).all(axis=1))[0]} is not finite", parameter=name)
+    return rows
+
+
+def domain(mesh: ConstrainedTriangulation, seeds: Seeds, max_area: float) -> Domain:
+    """The faces that are meshed, with their regions.
+
+    Raises
+    ------
+    InvalidGeometry
+        If nothing is enclosed, or holes leave nothing.
+    """
+    warnings: list[str] = []
+    hole_faces = faces_of_points(mesh, seeds.holes, "holes") if seeds.holes is not None else np.empty(0, np.int64)
+    region_faces = faces_of_points(mesh, seeds.regions, "regions")
+    for name, points, faces in (("hole", seeds.holes, hole_faces), ("region", seeds.regions, region_faces)):
+        for k in np.flatnonzero(faces == 0):
+            warnings.append(f"{name} {k} at ({points[k, 0]:.6g}, {points[k, 1]:.6g}) lies outside and has no effect")
+    if seeds.holes is None:
+        keep = levels(mesh) == 1
+        keep[region_faces] = True
+    else:
+        keep = np.ones(mesh.n_faces, bool)
+        keep[hole_faces] = False
+    keep[0] = False
+    if not keep.any():
+        _refuse(mesh)
+    left, right = mesh.faces_beside
+    outside = np.flatnonzero(~keep[left] & ~keep[right])
+    if len(outside):
+        lines = np.unique(mesh.line[outside])
+        more = "; the outline may be open" if len(loose_ends(mesh.graph)) else ""
+        warnings.append(f"{len(lines)} lines lie outside what is meshed, the first is line {lines[0]}{more}")
+    tag = np.zeros(mesh.n_faces, np.int64)
+    limit = np.full(mesh.n_faces, max_area)
+    if len(region_faces):
+        tag[region_faces] = seeds.tags
+        np.minimum.at(limit, region_faces, seeds.max_areas)
+    else:
+        tag[_by_first_line(mesh, keep, left, right)] = np.arange(1, keep.sum() + 1)
+    return Domain(keep, tag, limit, warnings)
+
+
+def _by_first_line(mesh: ConstrainedTriangulation, keep: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """The kept faces in the order of the first input line beside each."""
+    first = np.full(mesh.n_faces, np.iinfo(np.int64).max)
+    np.minimum.at(first, left, mesh.line)
+    np.minimum.at(first, right, mesh.line)
+    kept = np.flatnonzero(keep)
+    return kept[np.argsort(first[kept], kind="stable")]
+
+
+def _refuse(mesh: ConstrainedTriangulation) -> None:
+    graph = mesh.graph
+    ends = loose_ends(graph)
+    if mesh.n_faces > 1:
+        raise InvalidGeometry("the hole points leave nothing to mesh; move or remove them", parameter="holes")
+    places = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in graph.points[ends[:4]])
+    raise InvalidGeometry(
+        f"encloses no area: the outline is open, with {len(ends)} loose ends, at {places}{', ...' * (len(ends) > 4)}; "
+        "close it",
+        parameter="boundary",
+        points=graph.source[ends[graph.source[ends] >= 0]],
+        cells=np.unique(graph.line[np.isin(graph.segments, ends).any(axis=1)]),
+    )

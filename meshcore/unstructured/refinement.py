@@ -1,0 +1,206 @@
+"""Delaunay refinement: quality triangles for any planar straight-line graph."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+import numpy as np
+
+from .. import quality
+from ..errors import InvalidInput
+from ..geometry.plane import Plane, fitted_plane
+from ..mesh import Mesh
+from ..operation import Length, Param, Port, absolute, operation
+from ..progress import Progress, advance, part_of, silent
+from ..report import Report, Result
+from ..sizing.size_field import SizeField, evaluated
+from .constrained import ConstrainedTriangulation, constrained
+from .domain import Domain, domain, seeds
+from .planar_graph import planar_graph
+from .refiner import Refinement, Refiner
+
+
+@operation("Delaunay Refinement", category="Unstructured")
+def delaunay_refinement(
+    boundary: Annotated[Mesh, Port("Closed loops of line cells, planar; loops inside are holes", cells=("line",))],
+    *,
+    min_angle: Annotated[
+        float,
+        Param(
+            "Smallest angle of a triangle; 0 adds no points for shape, above 33 may not end",
+            min=0,
+            max=34,
+            unit="degree",
+        ),
+    ] = 30.0,
+    size: Annotated[Length | None, Param("Largest edge length; none by default")] = None,
+    max_area: Annotated[float | None, Param("Largest area of a triangle; none by default", min=0)] = None,
+    crossings: Annotated[
+        Literal["refuse", "split"], Param("What to do where lines cross: refuse, or split both", advanced=True)
+    ] = "refuse",
+    size_field: SizeField | None = None,
+    holes: Any = None,
+    regions: Any = None,
+    progress: Progress = silent,
+) -> Result:
+    """Triangulate what closed loops of lines enclose, with no angle below a bound.
+
+    Closed loops nest by the even-odd rule: outline, hole, island. Lines that end inside an outline are kept as edges.
+    All lines are kept, split where quality asks for it; where lines meet at an angle below the bound, that angle stays.
+
+    ::
+
+        +---------------+
+        |    outline    |
+        |    +-----+    |      meshed between outline and hole, and in the island
+        |    |hole |    |
+        |    | /\\  |    |
+        |    | \\/ island|
+        |    +-----+    |
+        +---------------+
+
+    Parameters
+    ----------
+    boundary : Mesh
+        "line" cells in the plane z = 0 or any other; lines may touch, overlap and repeat. "vertex" cells become points
+        of the mesh. ``field_data`` "holes" and "regions" are used where the arguments are not given.
+    min_angle : float
+        Smallest angle, in degrees. With 0 this is the constrained Delaunay triangulation, refined for size only.
+    size : Length, optional
+        No edge is longer.
+    max_area : float, optional
+        No triangle is larger; the square of the boundary's unit.
+    crossings : {"refuse", "split"}
+        Lines that cross are an error, or are split where they cross.
+    size_field : callable, optional
+        Takes (m, 3) points, returns (m,) lengths: no edge is longer than the value at its triangle's centroid. See
+        `meshcore.sizing.size_field.graded`.
+    holes : (k, 2) float, optional
+        A point in each hole; then all else within the outermost lines is meshed.
+    regions : (k, 2), (k, 3) or (k, 4) float, optional
+        A point in each region, its tag, and its largest area (not above 0: no limit). A loop with a region is meshed.
+    progress : Progress, optional
+        Called with fraction and message.
+
+    Returns
+    -------
+    Result
+        Counter-clockwise triangles; the boundary's points come first, unchanged. ``cell_data["region"]`` is the tag of
+        the region, or without ``regions`` counts the parts from 1. `Report.counts` tells how many points were added.
+        If not all triangles could be made as asked, ``converged`` is False and a warning says how many.
+
+    Raises
+    ------
+    InvalidGeometry
+        If the outline is open, lines cross, the boundary is not planar, or a seed lies on a line.
+    InvalidInput
+        If limits would make more than 50 million triangles, or the size field is not positive and finite.
+
+    References
+    ----------
+    Survey, section 3.2.4. J. Ruppert, J. Algorithms 18 (1995); J. R. Shewchuk, Comput. Geom. 22 (2002);
+    A. Uengoer, Comput. Geom. 42 (2009).
+
+    Examples
+    --------
+    >>> from meshcore.gallery import square_with_hole
+    >>> mesh, report = delaunay_refinement(square_with_hole(), min_angle=30)
+    >>> report.quality["smallest angle (degree)"] >= 30
+    True
+    """
+    if max_area == 0:
+        raise InvalidInput("must be greater than zero, got 0; leave it out for no limit", parameter="max_area")
+    lines = boundary.get("line")
+    vertices = boundary.get("vertex").ravel()
+    used = np.unique(np.concatenate([lines.ravel(), vertices]))
+    plane = fitted_plane(boundary.points[used], parameter="boundary")
+    graph = planar_graph(plane.to_plane(boundary.points), lines, vertices, "boundary")
+    graph.line = _line_cells(boundary)[graph.line]
+    marks = seeds(boundary, holes, regions, plane)
+    mesh = constrained(
+        graph, split_crossings=crossings == "split", parameter="boundary", progress=part_of(progress, 0.0, 0.2)
+    )
+    parts = domain(mesh, marks, np.inf if max_area is None else max_area)
+    diagonal = float(np.linalg.norm(np.ptp(boundary.points[used], axis=0)))
+    refiner = Refiner(
+        mesh,
+        parts,
+        min_angle=min_angle,
+        size=np.inf if size is None else absolute(size, diagonal),
+        size_field=None if size_field is None else lambda places: evaluated(size_field, plane.to_space(places)),
+        progress=part_of(progress, 0.2, 0.9),
+    )
+    refinement = refiner.run()
+    advance(progress, 0.9, "checking the mesh")
+    return _result(boundary, plane, mesh, parts, refinement, min_angle)
+
+
+def _line_cells(boundary: Mesh) -> np.ndarray:
+    """Numbers of the line cells among all cells."""
+    where = next(where for kind, _, where in boundary.blocks() if kind == "line")
+    return np.arange(where.start, where.stop)
+
+
+def _result(
+    boundary: Mesh,
+    plane: Plane,
+    triangulation: ConstrainedTriangulation,
+    parts: Domain,
+    refinement: Refinement,
+    min_angle: float,
+) -> Result:
+    """The mesh, checked, and its report."""
+    number, kept, added = _numbering(triangulation, refinement)
+    points = np.concatenate([boundary.points[kept], plane.to_space(refinement.xy[added])])
+    mesh = Mesh(points, {"triangle": number[refinement.corners]}, cell_data={"region": refinement.tags})
+    left, right = triangulation.faces_beside
+    pieces = triangulation.pieces[parts.keep[left] | parts.keep[right], :2]
+    quality.validate(mesh, Mesh(points, {"line": number[pieces]}))
+    report = Report(
+        counts={
+            "points": mesh.n_points,
+            "triangles": mesh.n_cells,
+            "points added on lines": refinement.splits,
+            "points added inside": refinement.insertions,
+        },
+        quality=quality.summary(mesh),
+        converged=not (refinement.exhausted or refinement.poor),
+        warnings=[*triangulation.graph.warnings, *parts.warnings],
+    )
+    _warn(report, mesh, boundary, len(kept), refinement, min_angle)
+    return Result(mesh, report)
+
+
+def _numbering(triangulation: ConstrainedTriangulation, refinement: Refinement):
+    """Number in the mesh of each vertex; the input points that are used, in order; and the vertices added."""
+    n = len(refinement.xy)
+    used = np.zeros(n, bool)
+    used[refinement.corners] = True
+    source = np.full(n, -1)
+    order = triangulation.triangulation.order
+    source[: len(order)] = triangulation.graph.source[order]
+    old = np.flatnonzero(used & (source >= 0))
+    old = old[np.argsort(source[old])]
+    added = np.flatnonzero(used & (source < 0))
+    number = np.full(n, -1)
+    number[np.concatenate([old, added])] = np.arange(len(old) + len(added))
+    return number, source[old], added
+
+
+def _warn(report: Report, mesh: Mesh, boundary: Mesh, n_kept: int, refinement: Refinement, min_angle: float) -> None:
+    """Say in the report what the user should know."""
+    if refinement.exhausted:
+        report.warnings.append(
+            f"refinement was stopped after {refinement.splits + refinement.insertions:,} points, since it may never "
+            f"end; ask for less than min_angle = {min_angle:g}"
+        )
+    if refinement.poor:
+        report.warnings.append(
+            f"{refinement.poor:,} triangles are not as asked"
+            + ("" if refinement.exhausted else ", where coordinates cannot resolve smaller ones")
+        )
+    if report.quality["smallest angle (degree)"] >= min_angle - 1e-6:
+        return
+    thin = int((quality.measure(mesh, "min_angle") < min_angle - 1e-6).sum()) - refinement.poor
+    if thin > 0:
+        report.warnings.append(f"{thin:,} triangles at small angles of the input stay below min_angle")

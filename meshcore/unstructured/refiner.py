@@ -1,0 +1,285 @@
+"""Runs the refinement kernels: buffers that grow, rounds of a size field, and an end to what would not end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import GenerationFailed, InvalidInput
+from ..progress import Progress, advance
+from . import _half_edge_kernels as half_edges
+from . import _refinement_kernels as kernels
+from .constrained import ConstrainedTriangulation
+from .domain import Domain
+from .triangulation import grown
+
+_STEPS_A_CHUNK = 20_000
+MAX_TRIANGLES = 50_000_000
+# Mean area of the triangles that refinement makes: of size^2, and of the largest area allowed.
+_AREA_BY_SIZE = 0.2
+_AREA_BY_MAX_AREA = 0.6
+
+
+@dataclass
+class Refinement:
+    """How a refinement ended.
+
+    Attributes
+    ----------
+    corners : (m, 3) int
+        Corners of the triangles, by vertex.
+    tags : (m,) int
+        Region of each triangle.
+    xy : (n, 2) float
+        Coordinates of the vertices, not scaled.
+    splits, insertions : int
+        Points added on lines and inside.
+    poor : int
+        Triangles that are still too large, or too thin without the excuse of a small input angle.
+    exhausted : bool
+        Whether refinement was stopped because it made too many points.
+    """
+
+    corners: np.ndarray
+    tags: np.ndarray
+    xy: np.ndarray
+    splits: int
+    insertions: int
+    poor: int
+    exhausted: bool
+
+
+class Refiner:
+    """Refines a constrained triangulation in place.
+
+    Parameters
+    ----------
+    mesh : ConstrainedTriangulation
+        Is used up.
+    domain : Domain
+        Which faces stay, and their largest areas.
+    min_angle : float
+        Degrees.
+    size : float
+        Largest edge length, possibly infinite.
+    size_field : callable, optional
+        (m, 2) places in the plane to (m,) largest edge lengths, already checked.
+    """
+
+    def __init__(
+        self,
+        mesh: ConstrainedTriangulation,
+        domain: Domain,
+        *,
+        min_angle: float,
+        size: float,
+        size_field: Callable[[np.ndarray], np.ndarray] | None,
+        progress: Progress,
+    ):
+        self.mesh, self.domain, self.progress = mesh, domain, progress
+        self.scale = 2.0**mesh.exponent
+        self.size_field = size_field
+        self.cosine2 = np.cos(np.radians(min_angle)) ** 2 if min_angle > 0 else np.inf
+        self.has_angle = min_angle > 0
+        unjudged = (size * self.scale) ** 2 if np.isfinite(size) else np.inf
+        self.limits = np.array([self.cosine2, _lens(min_angle), _off_centre(min_angle), unjudged])
+        self._carve()
+        self._allocate()
+        self.estimate = self._estimated()
+
+    # ---- setting up
+
+    def _carve(self) -> None:
+        mesh = self.mesh.triangulation
+        self.free = np.empty(max(len(mesh.origin) // 4, 1), np.int32)
+        self.n_free = half_edges.carve(
+            mesh.origin, mesh.twin, mesh.n_triangles, self.mesh.face, self.domain.keep, self.free
+        )
+
+    def _allocate(self) -> None:
+        mesh = self.mesh.triangulation
+        self.xy, self.origin, self.twin = mesh.xy, mesh.origin, mesh.twin
+        self.piece_of, self.face, self.pieces = self.mesh.piece_of, self.mesh.face, self.mesh.pieces
+        n = len(mesh.order)
+        capacity = len(self.origin) // 4
+        self.stands_on = np.full(n, kernels.FREE_VERTEX, np.int32)
+        self.stands_on[np.unique(self.pieces[:, :2])] = kernels.INPUT_VERTEX
+        self.acute = _acute(self.xy.reshape(-1, 2), self.pieces)
+        self.edge_limit = np.full(capacity, self.limits[3])
+        # Twice the area, as the kernel computes it.
+        self.area_limit = 2 * self.domain.max_area * self.scale**2
+        self.queue = np.empty(4 * (capacity + 64), np.int32)
+        self.head = np.full(kernels.BUCKETS, -1, np.int32)
+        self.tail = np.full(kernels.BUCKETS, -1, np.int32)
+        self.encroached = np.empty(2 * (3 * capacity + 8 * mesh.scratch.size), np.int32)
+        self.state = np.zeros(kernels.STATE_SIZE, np.int64)
+        self.state[kernels.TRIANGLES] = mesh.n_triangles
+        self.state[kernels.VERTICES] = n
+        self.state[kernels.FREE] = self.n_free
+
+    def _estimated(self) -> float:
+        """Triangles that the limits, without the angle, will make; raises if that is absurd."""
+        corners, slots = self._live()
+        area = self._areas(corners)
+        limit = self.area_limit[self.face[slots]] / 2
+        by_area = float((area / (_AREA_BY_MAX_AREA * limit)).sum())
+        by_size = float(area.sum() / (_AREA_BY_SIZE * self.limits[3]))
+        estimate = max(by_area, by_size)
+        if estimate > MAX_TRIANGLES:
+            raise too_many(estimate, "size" if by_size >= by_area else "max_area")
+        return max(estimate, float(len(corners)))
+
+    def _live(self) -> tuple[np.ndarray, np.ndarray]:
+        triangulation = self.mesh.triangulation
+        triangulation.origin, triangulation.n_triangles = self.origin, int(self.state[kernels.TRIANGLES])
+        return triangulation.live()
+
+    def _areas(self, corners: np.ndarray) -> np.ndarray:
+        a, b, c = self.xy.reshape(-1, 2)[corners.T]
+        return 0.5 * ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
+
+    # ---- running
+
+    def run(self) -> Refinement:
+        """Refine until no triangle is poor, or the budget of points is spent."""
+        exhausted = False
+        if self.size_field is not None:
+            exhausted = self._size_rounds(with_angle=False)
+        if not exhausted and (self.has_angle or self.size_field is None):
+            self._queue_all(with_angle=True)
+            exhausted = self._refine()
+        if not exhausted and self.size_field is not None:
+            exhausted = self._size_rounds(with_angle=True)
+        self._queue_all(with_angle=True)
+        corners, slots = self._live()
+        xy = self.xy.reshape(-1, 2)[: self.state[kernels.VERTICES]]
+        return Refinement(
+            corners.astype(np.int64),
+            self.domain.tag[self.face[slots]],
+            np.ldexp(xy, -self.mesh.exponent),
+            int(self.state[kernels.SPLITS]),
+            int(self.state[kernels.INSERTIONS]),
+            int(self.state[kernels.QUEUED]),
+            exhausted,
+        )
+
+    def _size_rounds(self, *, with_angle: bool) -> bool:
+        """Judge the triangles made since the last round by the size field, and refine, until all pass."""
+        while self._judge():
+            self._queue_all(with_angle=with_angle)
+            if self._refine():
+                return True
+        return False
+
+    def _judge(self) -> bool:
+        """Set the limits of triangles that have none yet; whether one is beyond its own."""
+        corners, slots = self._live()
+        unjudged = self.limits[3]
+        new = np.flatnonzero(self.edge_limit[slots] == unjudged)
+        if not len(new):
+            return False
+        at = self.xy.reshape(-1, 2)[corners[new]]
+        sizes = self.size_field(np.ldexp(at.mean(axis=1), -self.mesh.exponent)) * self.scale
+        # One step below the value that means unjudged, so that no triangle is judged twice.
+        limit = np.minimum(sizes**2, np.nextafter(unjudged, 0))
+        self.edge_limit[slots[new]] = limit
+        needed = float((self._areas(corners) / (_AREA_BY_SIZE * self.edge_limit[slots])).sum())
+        if needed > MAX_TRIANGLES:
+            raise too_many(needed, "size_field")
+        self.estimate = max(self.estimate, needed)
+        longest2 = ((at - np.roll(at, 1, axis=1)) ** 2).sum(axis=2).max(axis=1)
+        return bool((longest2 > limit).any())
+
+    def _queue_all(self, *, with_angle: bool) -> None:
+        self.limits[0] = self.cosine2 if with_angle else np.inf
+        capacity = len(self.origin) // 4
+        self.queue = grown(self.queue, max(len(self.queue), 4 * (capacity + 64)))
+        self.encroached = grown(self.encroached, max(len(self.encroached), 2 * (3 * capacity + 4096)))
+        kernels.queue_all(
+            self.xy, self.origin, self.twin, self.stands_on, self.pieces, self.face, self.edge_limit, self.area_limit,
+            self.limits, self.queue, self.head, self.tail, self.encroached, self.state,
+        )  # fmt: skip
+
+    def _refine(self) -> bool:
+        """Refine what is queued; whether the budget of points was spent first."""
+        scratch = self.mesh.triangulation.scratch
+        budget = int(5 * max(self.estimate, len(self.mesh.triangulation.order))) + 500_000
+        while True:
+            made = int(self.state[kernels.VERTICES])
+            advance(self.progress, min(0.95, 2 * made / self.estimate), "refining")
+            status = kernels.refine(
+                self.xy, self.origin, self.twin, self.piece_of, self.stands_on, self.pieces, self.acute, self.face,
+                self.edge_limit, self.area_limit, self.limits, self.queue, self.head, self.tail, self.encroached,
+                self.free, scratch.cavity, scratch.stack, scratch.ring, scratch.ring_from, scratch.work, self.state,
+                _STEPS_A_CHUNK,
+            )  # fmt: skip
+            if status == half_edges.DONE:
+                return False
+            if status == half_edges.FAILED:
+                raise GenerationFailed("refinement met an impossible state; please report the lines")
+            if made > budget:
+                return True
+            if status == half_edges.FULL:
+                self._grow()
+
+    def _grow(self) -> None:
+        """Make room in whatever buffer is nearly full."""
+        state, scratch = self.state, self.mesh.triangulation.scratch
+        vertices = len(self.stands_on)
+        if state[kernels.VERTICES] + 64 >= vertices:
+            vertices = 2 * vertices + 1024
+            self.xy = grown(self.xy, 2 * vertices)
+            self.stands_on = grown(self.stands_on, vertices)
+        elif 4 * state[kernels.TRIANGLES] + 1024 >= len(self.origin):
+            slots = 2 * (len(self.origin) // 4) + 1024
+            self.origin, self.twin, self.piece_of = (
+                grown(array, 4 * slots) for array in (self.origin, self.twin, self.piece_of)
+            )
+            self.face, self.free = grown(self.face, slots), grown(self.free, slots)
+            self.edge_limit = grown(self.edge_limit, slots)
+        elif 4 * (state[kernels.QUEUED] + scratch.size) >= len(self.queue):
+            self.queue = grown(self.queue, 2 * len(self.queue) + 8 * scratch.size)
+        elif 2 * (state[kernels.ENCROACHED] + 4 * scratch.size) >= len(self.encroached):
+            self.encroached = grown(self.encroached, 2 * len(self.encroached) + 16 * scratch.size)
+        else:
+            scratch.grow()
+
+
+def too_many(estimate: float, parameter: str) -> InvalidInput:
+    """The error for limits that would fill the memory."""
+    return InvalidInput(
+        f"would make about {estimate:.2g} triangles; at most {MAX_TRIANGLES:,} are allowed, so make it larger",
+        parameter=parameter,
+    )
+
+
+def _lens(min_angle: float) -> float:
+    """Squared cosine of the angle under which a point encroaches (Shewchuk 2002, section 3.4: diametral lenses)."""
+    return float(np.cos(np.radians(2 * (min_angle or 20.0))) ** 2)
+
+
+def _off_centre(min_angle: float) -> float:
+    """Height of the off-centre above the shortest edge, per its length; Triangle's factor 0.475 leaves a margin."""
+    cosine = np.cos(np.radians(min_angle))
+    return float(0.475 * np.sqrt((1 + cosine) / (1 - cosine))) if min_angle > 0 else 0.0
+
+
+def _acute(xy: np.ndarray, pieces: np.ndarray) -> np.ndarray:
+    """(n,) uint8: 1 for vertices where two pieces meet at less than 60 degrees."""
+    acute = np.zeros(len(xy), np.uint8)
+    ends = np.concatenate([pieces[:, :2], pieces[:, 1::-1]])
+    along = xy[ends[:, 1]] - xy[ends[:, 0]]
+    angle = np.arctan2(along[:, 1], along[:, 0])
+    order = np.lexsort((angle, ends[:, 0]))
+    vertex, angle = ends[order, 0], angle[order]
+    first = np.concatenate([[True], vertex[1:] != vertex[:-1]])
+    starts = np.flatnonzero(first)
+    stops = np.append(starts[1:], len(vertex))
+    after = np.arange(1, len(vertex) + 1)
+    after[stops - 1] = starts
+    gap = (angle[after] - angle) % (2 * np.pi)
+    alone = np.repeat(stops - starts == 1, stops - starts)
+    acute[vertex[(gap < np.radians(60)) & ~alone]] = 1
+    return acute
