@@ -120,7 +120,7 @@ def test_legacy_files_of_vtk(kind: str, form: int, version: int, tmp_path: Path)
     if form == 2:
         same(found, expected)
     else:
-        np.testing.assert_allclose(found.points, expected.points, rtol=1e-10, atol=1e-15)
+        np.testing.assert_allclose(found.points, expected.points, rtol=1e-5)  # VTK's legacy text has six digits
         assert set(found.point_data) == set(expected.point_data)
 
 
@@ -148,7 +148,8 @@ def test_vtk_reads_what_we_write(extension: str, binary: bool, tmp_path: Path) -
 
 
 def test_multi_block_of_meshes(tmp_path: Path) -> None:
-    blocks = pv.MultiBlock({"a": pv.Line(), "b": mc.io.to_pyvista(grid())})
-    blocks.save(tmp_path / "mixed.vtm")
+    line = pv.Line()
+    line.clear_data()
+    pv.MultiBlock({"a": line, "b": mc.io.to_pyvista(grid())}).save(tmp_path / "mixed.vtm")
     mesh = mc.io.read(tmp_path / "mixed.vtm")
     assert {name: len(s) for name, s in mesh.sets.items()} == {"a": 1, "b": 12}
