@@ -21,7 +21,6 @@ from meshcore.operation import Operation, Param, Port, Relative
 HERE = Path(__file__).parent
 PLUGIN = HERE / "meshcore_plugin.py"
 PARTS = ("conversion.py", "runtime.py", "sources.py")
-INPUT_TYPES = ("vtkPolyData", "vtkUnstructuredGrid", "vtkStructuredGrid")
 # What ParaView reads and writes itself is left to it.
 PARAVIEW_KNOWS = {".vtu", ".vtp", ".vts", ".vtm", ".vtk", ".vti", ".vtr", ".ply", ".stl", ".obj"}
 HEADER = '''"""meshcore in ParaView: sources, filters, a reader and a writer.
@@ -192,13 +191,12 @@ def _input(port: Port, number: int, count: int) -> str:
     """An input; the first is called Input as in all of ParaView, and goes by its label only if there are several."""
     name = "Input" if number == 0 else _camel(port.name)
     label = quoteattr(port.label if count > 1 else name)
-    types = ["vtkStructuredGrid"] if _takes(port) == "grid" else INPUT_TYPES
-    accepted = "".join(f'<DataType value="{t}"/>' for t in types)
+    accepted = "vtkStructuredGrid" if _takes(port) == "grid" else "vtkDataSet"
     optional = "\n  <Hints><Optional/></Hints>" if port.optional else ""
     return f"""<InputProperty name="{name}" label={label} port_index="{number}" command="SetInputConnection">
   <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
   <DataTypeDomain name="input_type" composite_data_supported="0">
-    {accepted}
+    <DataType value="{accepted}"/>
   </DataTypeDomain>
   <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
 {textwrap.indent(_documentation(port.description + "."), "  ")}{optional}

@@ -391,6 +391,7 @@ class Algorithm(VTKPythonAlgorithmBase):
 
     def guarded(self, work, *arguments):
         """Do some work; 1 if it went well, else 0 and one line for the user."""
+        self.SetAbortExecute(0)  # an abort that came when the last run was done is not meant for this one
         try:
             core = meshcore_itself()
             with warnings.catch_warnings(record=True) as said:
@@ -818,7 +819,7 @@ def vtk_type_of(content):
     <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
       <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
       <DataTypeDomain name="input_type" composite_data_supported="0">
-        <DataType value="vtkPolyData"/><DataType value="vtkUnstructuredGrid"/><DataType value="vtkStructuredGrid"/>
+        <DataType value="vtkDataSet"/>
       </DataTypeDomain>
       <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
       <Documentation>One closed loop in a plane, such as an airfoil.</Documentation>
@@ -897,7 +898,7 @@ class meshcoreOGrid(Operation):
     <InputProperty name="Input" label="South" port_index="0" command="SetInputConnection">
       <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
       <DataTypeDomain name="input_type" composite_data_supported="0">
-        <DataType value="vtkPolyData"/><DataType value="vtkUnstructuredGrid"/><DataType value="vtkStructuredGrid"/>
+        <DataType value="vtkDataSet"/>
       </DataTypeDomain>
       <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
       <Documentation>South side, or one closed loop in place of all four: line cells in one chain, or points in
@@ -906,7 +907,7 @@ class meshcoreOGrid(Operation):
     <InputProperty name="East" label="East" port_index="1" command="SetInputConnection">
       <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
       <DataTypeDomain name="input_type" composite_data_supported="0">
-        <DataType value="vtkPolyData"/><DataType value="vtkUnstructuredGrid"/><DataType value="vtkStructuredGrid"/>
+        <DataType value="vtkDataSet"/>
       </DataTypeDomain>
       <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
       <Documentation>East side: line cells in one chain, or points in order.</Documentation>
@@ -915,7 +916,7 @@ class meshcoreOGrid(Operation):
     <InputProperty name="North" label="North" port_index="2" command="SetInputConnection">
       <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
       <DataTypeDomain name="input_type" composite_data_supported="0">
-        <DataType value="vtkPolyData"/><DataType value="vtkUnstructuredGrid"/><DataType value="vtkStructuredGrid"/>
+        <DataType value="vtkDataSet"/>
       </DataTypeDomain>
       <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
       <Documentation>North side: line cells in one chain, or points in order.</Documentation>
@@ -924,7 +925,7 @@ class meshcoreOGrid(Operation):
     <InputProperty name="West" label="West" port_index="3" command="SetInputConnection">
       <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
       <DataTypeDomain name="input_type" composite_data_supported="0">
-        <DataType value="vtkPolyData"/><DataType value="vtkUnstructuredGrid"/><DataType value="vtkStructuredGrid"/>
+        <DataType value="vtkDataSet"/>
       </DataTypeDomain>
       <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
       <Documentation>West side: line cells in one chain, or points in order.</Documentation>
@@ -1020,6 +1021,67 @@ class meshcoreTransfiniteInterpolation(Operation):
 
 
 
+@smproxy.filter(name="meshcoreDelaunayRefinement", label="meshcore Delaunay Refinement", support_reload=False)
+@smhint.xml('<ShowInMenu category="meshcore"/>')
+@smproperty.xml(
+    """
+    <Documentation short_help="Delaunay Refinement">Triangulate what closed loops of lines enclose, with no angle
+    below a bound.</Documentation>
+    <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Closed loops of line cells, planar; loops inside are holes.</Documentation>
+    </InputProperty>
+    <DoubleVectorProperty name="MinAngle" label="Min Angle" command="SetMinAngle" number_of_elements="1" default_values="30.0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0" max="34"/>
+      <Documentation>Smallest angle of a triangle; 0 adds no points for shape, above 33 may not end, in
+      degrees.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="Size" label="Size" command="SetSize" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Largest edge length; none by default; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="MaxArea" label="Max Area" command="SetMaxArea" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Largest area of a triangle; none by default; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <IntVectorProperty name="Crossings" label="Crossings" command="SetCrossings" number_of_elements="1" default_values="0" panel_visibility="advanced">
+      <EnumerationDomain name="enum"><Entry value="0" text="refuse"/><Entry value="1" text="split"/></EnumerationDomain>
+      <Documentation>What to do where lines cross: refuse, or split both.</Documentation>
+    </IntVectorProperty>
+    <PropertyGroup label="Parameters">
+      <Property name="MinAngle"/>
+      <Property name="Size"/>
+      <Property name="MaxArea"/>
+    </PropertyGroup>
+    <PropertyGroup label="Advanced">
+      <Property name="Crossings"/>
+    </PropertyGroup>
+    """
+)
+class meshcoreDelaunayRefinement(Operation):
+    operation = "delaunay_refinement"
+    label = "meshcore Delaunay Refinement"
+    ports = (('boundary', 'lines', False),)
+    output = "vtkUnstructuredGrid"
+
+    def SetMinAngle(self, value):
+        self.set("min_angle", value)
+
+    def SetSize(self, value):
+        self.set("size", value or None)
+
+    def SetMaxArea(self, value):
+        self.set("max_area", value or None)
+
+    def SetCrossings(self, value):
+        self.set("crossings", ('refuse', 'split')[value])
+
+
+
 @smproxy.filter(name="meshcoreAdaptiveRefinement", label="meshcore Adaptive Refinement", support_reload=False)
 @smhint.xml('<ShowInMenu category="meshcore"/>')
 @smproperty.xml(
@@ -1029,7 +1091,7 @@ class meshcoreTransfiniteInterpolation(Operation):
     <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
       <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
       <DataTypeDomain name="input_type" composite_data_supported="0">
-        <DataType value="vtkPolyData"/><DataType value="vtkUnstructuredGrid"/><DataType value="vtkStructuredGrid"/>
+        <DataType value="vtkDataSet"/>
       </DataTypeDomain>
       <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
       <Documentation>Triangles, planar or in space; lines on their edges are cut too.</Documentation>

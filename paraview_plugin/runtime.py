@@ -117,6 +117,7 @@ class Algorithm(VTKPythonAlgorithmBase):
 
     def guarded(self, work, *arguments):
         """Do some work; 1 if it went well, else 0 and one line for the user."""
+        self.SetAbortExecute(0)  # an abort that came when the last run was done is not meant for this one
         try:
             core = meshcore_itself()
             with warnings.catch_warnings(record=True) as said:

@@ -70,7 +70,7 @@ class Host:
             **more,
         }
 
-    def execute(self, *command: str | Path, timeout: float = 300, **more: str) -> tuple[int, str]:
+    def execute(self, *command: str | Path, timeout: float = 240, **more: str) -> tuple[int, str]:
         """Run a command to its end; its exit code and all that it said."""
         assert shutil.which(str(command[0])), f"{command[0]} is not here: apt install paraview xvfb openmpi-bin"
         process = subprocess.Popen(
@@ -89,13 +89,16 @@ class Host:
             output += f"\nstopped after {timeout:g} s".encode()
         return process.returncode, output.decode(errors="replace")
 
-    def run(self, script: str, *launcher: str) -> Run:
-        """The outcomes of a script's checks; it runs once, however many tests ask."""
+    def run(self, script: str, *launcher: str, ranks: int = 1) -> Run:
+        """The outcomes of a script's checks, on the first rank that failed; it runs once, however many tests ask."""
         key = (script, *launcher)
         if key not in self.runs:
-            result = self.folder / f"{'-'.join(key).replace('/', '_')}.json"
+            result = self.folder / Path(script).stem
             code, output = self.execute(*(launcher or ["pvpython"]), INSIDE / script, result)
-            outcomes = json.loads(result.read_text()) if result.exists() else {}
+            files = [result.with_suffix(f".{rank}.json") for rank in range(ranks)]
+            each = [json.loads(file.read_text()) if file.exists() else {} for file in files]
+            ran = [name for name in each[0] if all(name in outcomes for outcomes in each)]
+            outcomes = {name: next((o[name] for o in each if o[name] != "passed"), "passed") for name in ran}
             self.runs[key] = Run(code, output, outcomes)
         return self.runs[key]
 

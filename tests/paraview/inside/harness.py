@@ -47,6 +47,13 @@ def said():
             sys.stderr.write(text[0])
 
 
+def rank() -> int:
+    """Number of this process among those that run the script together."""
+    from paraview.servermanager import vtkProcessModule
+
+    return vtkProcessModule.GetProcessModule().GetPartitionId()
+
+
 def names_of(function, operations) -> list[str]:
     """The names under which a check's outcomes are kept."""
     if not inspect.signature(function).parameters:
@@ -55,8 +62,10 @@ def names_of(function, operations) -> list[str]:
 
 
 def run_checks(namespace: dict) -> None:
-    """Run every check of a script and write the outcomes to the file named on the command line."""
+    """Run every check of a script and write the outcomes to the file named on the command line, one for each rank."""
     import meshcore
+
+    result = Path(sys.argv[1]).with_suffix(f".{rank()}.json")
 
     outcomes: dict[str, str] = {}
     checks = [f for name, f in list(namespace.items()) if name.startswith("check_")]
@@ -70,4 +79,4 @@ def run_checks(namespace: dict) -> None:
             except BaseException:  # whatever a check raises is its outcome, and the others still run
                 outcomes[name] = traceback.format_exc()
                 print(outcomes[name], flush=True)
-            Path(sys.argv[1]).write_text(json.dumps(outcomes))
+            result.write_text(json.dumps(outcomes))
