@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import re
 import shutil
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
@@ -57,7 +58,7 @@ def install_paraview(pvpython: Path | None, say: Say) -> Path:
         host = ask(host.program)  # what it has of its own, without what we had put there
     try:
         put = packages.put(host, folder / "packages", say)
-        shutil.copyfile(source, folder / f"{PLUGIN}.py")
+        _copy_plugin(source, folder)
         record = register(host, folder, put)
         if missing := unseen(host):
             raise MeshcoreError(f"{host.label} started without {', '.join(missing)}; `meshcore doctor` tells more")
@@ -166,6 +167,13 @@ def window_of(pvpython: Path) -> Path | None:
     folder = pvpython.resolve().parent
     names = [folder / f"paraview{pvpython.suffix}", folder.parent / "MacOS" / "paraview"]
     return next((name for name in names if name.is_file()), None)
+
+
+def _copy_plugin(source: Path, folder: Path) -> None:
+    """The plugin under its file's name: ParaView's window forgets that any other loads at start."""
+    text = source.read_text(encoding="utf-8")
+    text = re.sub(r"^paraview_plugin_name = .*$", f'paraview_plugin_name = "{PLUGIN}"', text, flags=re.MULTILINE)
+    (folder / f"{PLUGIN}.py").write_text(text, encoding="utf-8")
 
 
 def _list(folder: Path) -> Path:

@@ -68,8 +68,8 @@ def removed(text: str, name: str) -> str:
 
 
 def read(file: Path) -> str:
-    """The text of a settings file, byte for byte; empty if there is none."""
-    return file.read_bytes().decode("latin-1") if file.is_file() else ""
+    """The text of a settings file, with line ends as on Unix; empty if there is none."""
+    return _bytes(file).decode("latin-1").replace("\r\n", "\n")
 
 
 def write(file: Path, text: str) -> None:
@@ -79,10 +79,16 @@ def write(file: Path, text: str) -> None:
         return
     file.parent.mkdir(parents=True, exist_ok=True)
     partial = file.with_name(file.name + ".meshcore")
+    if b"\r\n" in _bytes(file):
+        text = text.replace("\n", "\r\n")
     partial.write_bytes(text.encode("latin-1"))
     if file.exists():
         partial.chmod(file.stat().st_mode & 0o777)
     os.replace(partial, file)
+
+
+def _bytes(file: Path) -> bytes:
+    return file.read_bytes() if file.is_file() else b""
 
 
 def _quoted(text: str) -> str:
