@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from .. import quality
-from ..errors import GenerationFailed, InvalidInput
+from ..errors import GenerationFailed, InvalidGeometry, InvalidInput
 from ..mesh import Mesh
 from ..operation import Param, Port, operation
 from ..progress import Progress, advance, part_of, silent
@@ -88,7 +88,7 @@ def refined(
         If there are no triangles or cells of other kinds, marks or indicator do not fit the mesh, or the result would
         be too large.
     InvalidGeometry
-        If a triangle has no area, or is too small to be cut in floating-point numbers.
+        If a triangle has no area, is too small to be cut in floating-point numbers, or if the mesh has hanging nodes.
 
     References
     ----------
@@ -126,7 +126,7 @@ def refined(
     advance(part_of(progress, 0.9, 1.0), 0.0, "checking the mesh")
     warnings += _validated(result, mesh)
     counts = {"points": result.n_points, "triangles": len(result.cells["triangle"]), "marked": cut}
-    return Result(result, Report(counts=counts, quality=quality.summary(result), warnings=warnings))
+    return Result(result, Report(counts=counts, quality=quality.summary(_of_usual_size(result)), warnings=warnings))
 
 
 class _Chosen:
@@ -219,14 +219,29 @@ def _check_kinds(mesh: Mesh) -> None:
 
 
 def _validated(result: Mesh, mesh: Mesh) -> list[str]:
-    """Warnings of faults that the input had already; `GenerationFailed` for new ones."""
-    outline = mesh.boundary if mesh.boundary.n_cells else None  # a closed surface has none
-    faults = quality.validate(result, boundary=outline, raise_=False)
+    """Warnings of faults that the input had already; an error for new ones, and for those that they grew from."""
+    usual = _of_usual_size(mesh)
+    outline = usual.boundary if usual.boundary.n_cells else None  # a closed surface has none
+    faults = quality.validate(_of_usual_size(result), boundary=outline, raise_=False)
     if not faults:
         return []
-    known = {fault.name for fault in quality.validate(mesh, raise_=False)}
-    new = [fault for fault in faults if fault.name not in known]
+    given = quality.validate(usual, raise_=False)
+    new = [fault for fault in faults if fault.name not in {old.name for old in given}]
+    if new and given:
+        cause = given[0]
+        raise InvalidGeometry(
+            f"{cause}; repair it first, since in the refined mesh {new[0]}",
+            parameter="mesh",
+            points=cause.points,
+            cells=cause.cells,
+        )
     if new:
-        cells = np.unique(np.concatenate([fault.cells for fault in new if fault.name != "boundary"] or [[]]))
-        raise GenerationFailed("; ".join(map(str, new)), cells=cells.astype(int), partial=result)
+        cells = np.unique(np.concatenate([np.empty(0, int), *(f.cells for f in new if f.name != "boundary")]))
+        raise GenerationFailed("; ".join(map(str, new)), cells=cells, partial=result)
     return [f"the mesh is as faulty as it was given: {fault}" for fault in faults]
+
+
+def _of_usual_size(mesh: Mesh) -> Mesh:
+    """The mesh, times a power of two if it is so large or small that products of lengths would leave the doubles."""
+    exponent = int(np.frexp(np.abs(mesh.points).max(initial=0.0))[1])
+    return mesh.with_points(np.ldexp(mesh.points, -exponent)) if abs(exponent) > 150 else mesh

@@ -276,6 +276,15 @@ def test_faults_of_the_input_are_told_not_hidden():
     assert any("belongs to no cell" in text for text in report.warnings)
 
 
+def test_hanging_nodes_of_the_input_are_refused():
+    """Cut, the edge with the hanging node would get a second point at the same place."""
+    points = [[0, 0], [1, 0], [2, 0], [1, 1], [1, -1]]
+    mesh = Mesh(points, {"triangle": [[0, 2, 3], [0, 4, 1], [4, 2, 1]]})
+    with pytest.raises(InvalidGeometry, match=r"mesh: 1 point hangs on edges: point 1 .* repair it first") as caught:
+        refined(mesh)
+    assert caught.value.points == (1,)
+
+
 def test_indicators_choose():
     mesh = gallery.triangulated_square(16)
     steep, report = refined(mesh, indicator="front", fraction=0.6, levels=3)
@@ -399,6 +408,12 @@ def test_scale_does_not_matter(scale):
     mesh = scattered(30, 12)
     small = bisection.longest_edge_first(scale * mesh.points, mesh.cells["triangle"])
     np.testing.assert_array_equal(small, bisection.longest_edge_first(mesh.points, mesh.cells["triangle"]))
+    after, report = refined(mesh.with_points(scale * mesh.points), [3], levels=3)
+    expected, expected_report = refined(mesh, [3], levels=3)
+    np.testing.assert_array_equal(after.cells["triangle"], expected.cells["triangle"])
+    np.testing.assert_allclose(after.points, scale * expected.points, rtol=1e-12)
+    assert report.quality == pytest.approx(expected_report.quality)
+    assert report.warnings == []
 
 
 def test_progress_and_cancelling():
