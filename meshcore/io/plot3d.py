@@ -240,6 +240,10 @@ def write_plot3d(
 
     Parameters
     ----------
+    path : Path
+        The file to write.
+    grid : StructuredGrid or MultiBlock
+        One grid, or several.
     binary : bool
         Binary, or text with every digit.
     record_markers : bool

@@ -182,6 +182,7 @@ def _strings(values: np.ndarray) -> np.ndarray:
 
 
 def whole_attribute(element: ElementTree.Element, key: str, default: int | None = None) -> int:
+    """An attribute of an element as a whole number; InvalidInput if it is none and there is no default."""
     text = element.get(key)
     if text is None and default is not None:
         return default

@@ -96,6 +96,10 @@ def triangulated(points: np.ndarray, progress: Progress = silent, parameter: str
     ----------
     points : (n, 2) float
         No two equal.
+    progress : Progress, optional
+        Called with fraction and message.
+    parameter : str
+        What errors call the points.
 
     Raises
     ------
