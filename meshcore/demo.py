@@ -20,7 +20,7 @@ from .structured import o_grid
 from .unstructured import delaunay_refinement
 
 NOSE = ((-0.05, -0.075), (0.15, 0.075))
-SHOCK = ((0.2, -0.3), (1.0, 0.3))
+SHOCK = ((0.46, 0.02), (0.7, 0.2))
 ANGLE = 30.0
 """Smallest angle asked of the triangulation, degrees."""
 
@@ -139,7 +139,7 @@ def block(section: Mesh, *, cells: int = 240, progress: Progress = silent) -> Re
 
 
 def shock(points: np.ndarray) -> np.ndarray:
-    """A field like the pressure over a transonic wing: a steep front that leans over the upper surface.
+    """A field like the pressure over a transonic wing: a steep front that leans back over the upper surface.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def shock(points: np.ndarray) -> np.ndarray:
     Returns
     -------
     (n,) float
-        From -1 ahead of the front to 1 behind it, fading out above and below the section.
+        From -1 ahead of the front to 1 behind it; the front widens below the section and far above it.
 
     Examples
     --------
@@ -157,8 +157,8 @@ def shock(points: np.ndarray) -> np.ndarray:
     array([-1.,  1.])
     """
     x, y = points[:, 0], points[:, 1]
-    reach = 0.5 * (1 + np.tanh((y + 0.0) / 0.05)) * 0.5 * (1 - np.tanh((y - 0.7) / 0.12))
-    return reach * np.tanh((x - 0.55 - 0.15 * y) / 0.015)
+    width = 0.01 + 40 * np.minimum(y, 0) ** 2 + 3 * np.maximum(y - 0.4, 0) ** 2
+    return np.tanh((x - 0.55 - 0.15 * y) / width)
 
 
 def adapted(mesh: Mesh, *, levels: int = 3, progress: Progress = silent) -> Result:
@@ -188,7 +188,7 @@ def adapted(mesh: Mesh, *, levels: int = 3, progress: Progress = silent) -> Resu
     fine = mesh.with_point_data(shock=shock(mesh.points))
     for level in range(levels):
         step = part_of(progress, level / levels, (level + 1) / levels)
-        fine, report = refined(fine, indicator="shock", fraction=0.7, progress=step)
+        fine, report = refined(fine, indicator="shock", fraction=0.6, progress=step)
         fine = fine.with_point_data(shock=shock(fine.points))
     return Result(fine, report)
 

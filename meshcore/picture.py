@@ -24,6 +24,8 @@ FACE, EDGE, MARK = "#dde7f0", "#1d3a57", "#e4572e"
 BLOCKS = ("#dde7f0", "#f4e3cf", "#dcefd9", "#efdcea", "#f5f0c8", "#d5eeee")
 SUPERSAMPLING = 2
 """Pixels are drawn so many times as fine and averaged, so that lines may be thinner than a pixel."""
+SCALE = 0.12
+"""Share of a picture's width that the scale of its colours takes."""
 
 
 def picture(
@@ -91,14 +93,17 @@ def picture(
         raise InvalidInput("has no cells to draw", parameter="mesh")
     box = _checked_zoom(zoom)
     coloured = None if scalars is None else _values(parts, blocks, scalars)
-    with _plotter(window) as plotter:
+    shape, weights = ((1, 1), None) if coloured is None else ((1, 2), [1 - SCALE, SCALE])
+    with _plotter(window, shape, weights) as plotter:
         width = _line_width(parts, window, box)
         for number, part in enumerate(parts):
             values = None if coloured is None else coloured[number]
-            _add(plotter, part, BLOCKS[number % len(BLOCKS)], width if edges else 0.0, values, scalars)
+            actor = _add(plotter, part, BLOCKS[number % len(BLOCKS)], width if edges else 0.0, values)
+        if coloured is not None:
+            _add_scale(plotter, actor, scalars)
         if len(marked):
             _add_marked(plotter, parts[0], marked)
-        _look(plotter, parts, box, window)
+        _look(plotter, parts, box, window[0] / window[1] * (1.0 if coloured is None else 1 - SCALE))
         _label(plotter, title)
         return _save(plotter, path)
 
@@ -163,7 +168,7 @@ def _chart(row: Any) -> pyvista.Chart2D:
 
 
 @contextlib.contextmanager
-def _plotter(window: tuple[int, int], shape: tuple[int, int] = (1, 1)):
+def _plotter(window: tuple[int, int], shape: tuple[int, int] = (1, 1), weights: list[float] | None = None):
     """An off-screen pyvista plotter of ``window`` pixels, closed at the end."""
     width, height = _checked_window(window)
     try:
@@ -177,6 +182,7 @@ def _plotter(window: tuple[int, int], shape: tuple[int, int] = (1, 1)):
             off_screen=True,
             window_size=(width * SUPERSAMPLING, height * SUPERSAMPLING),
             shape=shape,
+            col_weights=weights,
             border=False,
             lighting="none",
         )
@@ -274,23 +280,20 @@ def _line_width(parts: list[Mesh], window: tuple[int, int], box: np.ndarray | No
     return float(np.clip(0.1 * pixels, 0.5, 1.3))
 
 
-def _add(plotter: Any, part: Mesh, colour: str, width: float, values: np.ndarray | None, name: Any) -> None:
-    """Add a mesh: its curves as lines, of volumes the far half, and its faces with edges ``width`` pixels wide."""
-    letters = max(plotter.window_size[1] // 50, 8)
+def _add(plotter: Any, part: Mesh, colour: str, width: float, values: np.ndarray | None) -> Any:
+    """Add curves as lines, of volumes the far half, and faces with edges ``width`` pixels wide; return the actor."""
     bare = Mesh(part.points, part.cells)
     data = to_pyvista(bare)
     if values is not None:
         (data.cell_data if len(values) == part.n_cells else data.point_data)["values"] = values.astype(float)
     if part.dimension < 2:
-        plotter.add_mesh(
-            data, color=EDGE, line_width=2 * SUPERSAMPLING, lighting=False, **_colours(values, name, letters)
-        )
+        plotter.add_mesh(data, color=EDGE, line_width=2 * SUPERSAMPLING, lighting=False, **_colours(values))
         return
     if part.dimension == 3:
         data = data.clip(normal=(0.4, -1.0, 0.3), origin=data.center, crinkle=True).extract_surface(
             algorithm="dataset_surface"
         )
-    plotter.add_mesh(
+    return plotter.add_mesh(
         data,
         color=colour,
         show_edges=width > 0,
@@ -298,29 +301,45 @@ def _add(plotter: Any, part: Mesh, colour: str, width: float, values: np.ndarray
         edge_opacity=1.0 if width > 0.5 else 0.6,
         line_width=max(width * SUPERSAMPLING, 1.0),
         lighting=not part.is_planar,
-        **_colours(values, name, letters),
+        **_colours(values),
     )
 
 
-def _colours(values: np.ndarray | None, name: Any, letters: int) -> dict[str, Any]:
-    """pyvista's arguments for coloured values and their scale, in letters of so many pixels."""
+def _colours(values: np.ndarray | None) -> dict[str, Any]:
+    """pyvista's arguments for coloured values; the limits are rounded, so that the scale's numbers are short."""
     if values is None:
         return {}
-    bar = {
-        "title": name if isinstance(name, str) else "values",
-        "color": "black",
-        "vertical": True,
-        "position_x": 0.9,
-        "position_y": 0.15,
-        "height": 0.7,
-        "width": 0.05,
-        "title_font_size": letters,
-        "label_font_size": letters,
-        "n_labels": 5,
-        "fill": True,
-        "background_color": "white",
+    finite = values[np.isfinite(values)]
+    low, high = (float(f"{v:.3g}") for v in ((finite.min(), finite.max()) if len(finite) else (0.0, 1.0)))
+    if high <= low:  # all the same but for round-off
+        low, high = low - 0.5 * (abs(low) or 1.0), high + 0.5 * (abs(high) or 1.0)
+    return {
+        "scalars": "values",
+        "cmap": "viridis",
+        "nan_color": "white",
+        "clim": (low, high),
+        "show_scalar_bar": False,
     }
-    return {"scalars": "values", "cmap": "viridis", "nan_color": "white", "scalar_bar_args": bar}
+
+
+def _add_scale(plotter: Any, actor: Any, name: Any) -> None:
+    """The scale of an actor's colours, in the narrow part of the picture to the right."""
+    letters = max(plotter.window_size[1] // 50, 8)
+    plotter.subplot(0, 1)
+    plotter.add_scalar_bar(
+        title=name.replace("_", " ") if isinstance(name, str) else "values",
+        mapper=actor.mapper,
+        color="black",
+        vertical=True,
+        position_x=0.15,
+        position_y=0.15,
+        width=0.5,
+        height=0.7,
+        title_font_size=letters,
+        label_font_size=letters,
+        n_labels=5,
+    )
+    plotter.subplot(0, 0)
 
 
 def _add_marked(plotter: Any, part: Mesh, marked: Sequence[int]) -> None:
@@ -333,7 +352,7 @@ def _add_marked(plotter: Any, part: Mesh, marked: Sequence[int]) -> None:
     plotter.add_mesh(data, color=MARK, show_edges=True, edge_color=EDGE, line_width=SUPERSAMPLING, lighting=False)
 
 
-def _look(plotter: Any, parts: list[Mesh], box: np.ndarray | None, window: tuple[int, int]) -> None:
+def _look(plotter: Any, parts: list[Mesh], box: np.ndarray | None, aspect: float) -> None:
     """Set the camera: from above on planar meshes, aslant on others."""
     if not all(part.is_planar for part in parts):
         plotter.view_vector((-1.0, -2.0, 1.2) if parts[0].dimension < 3 else (0.8, -2.0, 1.2))
@@ -349,7 +368,7 @@ def _look(plotter: Any, parts: list[Mesh], box: np.ndarray | None, window: tuple
     camera.enable_parallel_projection()
     far = 10 * max(size.max(), max(part.diagonal for part in parts))
     camera.focal_point, camera.position, camera.up = (*middle, 0.0), (*middle, far), (0.0, 1.0, 0.0)
-    camera.parallel_scale = 0.5 * max(size[1], size[0] * window[1] / window[0])
+    camera.parallel_scale = 0.5 * max(size[1], size[0] / aspect)
     camera.clipping_range = (0.5 * far, 1.5 * far)
 
 

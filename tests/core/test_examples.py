@@ -1,0 +1,35 @@
+"""Every example runs, keeps the fact that it asserts, writes its pictures, and comes to the number known for it."""
+
+import runpy
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+NUMBERS = {
+    "airfoil_sections": 3,
+    "airfoil_three_ways": None,  # a triangulation's count is its maker's affair, not this test's
+    "chapter_4_h_refinement": None,
+    "circumcentre_refinement": None,
+    "figure_01_structured_and_unstructured": 24 * 12,
+    "figure_04_mapping_of_boundaries": 25 * 13,
+    "figure_05_transfinite_interpolation": 72 * 32,
+    "figure_06_overspill": None,
+    "figure_11_o_grid": None,
+    "figure_23_empty_circumcircles": None,
+    "figure_25_degenerate_points": 800,
+    "figure_29_constrained_delaunay": 2,
+    "surface_between_four_curves": 32 * 24,
+}
+
+
+def test_every_example_is_known():
+    assert sorted(path.stem for path in EXAMPLES.glob("*.py")) == sorted(NUMBERS)
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+def test_example(name, tmp_path):
+    number = runpy.run_path(str(EXAMPLES / f"{name}.py"))["main"](tmp_path)
+    pictures = list(tmp_path.glob("*.png"))
+    assert pictures and all(path.stat().st_size > 3000 for path in pictures)
+    assert number > 0 and number == (NUMBERS[name] or number)
