@@ -7,6 +7,7 @@ polygon, and polylines of edges. A volume is shown as two layers, its boundary a
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 import pymeshlab
@@ -159,10 +160,72 @@ def to_boundary(layer: pymeshlab.Mesh, parameter: str) -> Mesh:
     return mesh.compacted()
 
 
-def layers(
-    result: Mesh | StructuredGrid | MultiBlock, label: str, measure: str
-) -> Iterator[tuple[str, pymeshlab.Mesh]]:
-    """Labels and layers that show a mesh: one for lines and surfaces, two for a volume, one or two a block.
+class Layer(NamedTuple):
+    """A layer to be added.
+
+    Attributes
+    ----------
+    label : str
+        Its label.
+    mesh : pymeshlab.Mesh
+        Its geometry and face scalars.
+    face_data, vertex_data : dict of str to array
+        Custom attributes, attached once the layer is in the MeshSet, see `_add_safely`.
+    """
+
+    label: str
+    mesh: pymeshlab.Mesh
+    face_data: dict[str, np.ndarray]
+    vertex_data: dict[str, np.ndarray]
+
+
+def add(ms: pymeshlab.MeshSet, result: Mesh | StructuredGrid | MultiBlock, label: str, measure: str) -> list[int]:
+    """Add the layers that show a mesh, make the first of them current, and return their ids.
+
+    Parameters
+    ----------
+    ms : pymeshlab.MeshSet
+        Gets one layer for lines and surfaces, two for a volume, one or two for each block.
+    result : Mesh, StructuredGrid or MultiBlock
+        What to show.
+    label : str
+        Label of the first layer.
+    measure : str
+        Quality measure for the face scalars.
+    """
+    ids = []
+    for layer in layers(result, label, measure):
+        added = _add_safely(ms, layer)
+        ids.append(added.id())
+        for name, array in layer.face_data.items():
+            _attach(added.add_face_custom_scalar_attribute, added.add_face_custom_point_attribute, name, array)
+        for name, array in layer.vertex_data.items():
+            _attach(added.add_vertex_custom_scalar_attribute, added.add_vertex_custom_point_attribute, name, array)
+    ms.set_current_mesh(ids[0])
+    return ids
+
+
+def _add_safely(ms: pymeshlab.MeshSet, layer: Layer) -> pymeshlab.Mesh:
+    """Add a layer without custom attributes, and return it.
+
+    ``add_mesh`` copies a mesh, but the copies of its custom attributes point to memory that is freed, and MeshLab's
+    function filters, which read all attributes, crash on them (pymeshlab 2025.7). A mesh of polygons is born with
+    one, ``poly_birth_faces``; MeshLab's own copy of a layer leaves it out.
+    """
+    ms.add_mesh(layer.mesh, layer.label, set_as_current=True)
+    first = ms.current_mesh_id()
+    if layer.mesh.face_number() > len(layer.mesh.polygonal_face_list()):
+        ms.generate_copy_of_current_mesh()
+        copy = ms.current_mesh_id()
+        ms.set_current_mesh(first)
+        ms.delete_current_mesh()
+        ms.set_current_mesh(copy)
+        ms.current_mesh().set_label(layer.label)
+    return ms.current_mesh()
+
+
+def layers(result: Mesh | StructuredGrid | MultiBlock, label: str, measure: str) -> Iterator[Layer]:
+    """The layers that show a mesh: one for lines and surfaces, two for a volume, one or two a block.
 
     Parameters
     ----------
@@ -181,8 +244,8 @@ def layers(
     values = quality.measure(mesh, measure) if measure else np.full(mesh.n_cells, np.nan)
     if mesh.dimension == 3:
         outside = mesh.boundary
-        yield label, _surface(outside, outside.cell_data["cell"], values, mesh.cell_data)
-        yield f"{label} exploded", _exploded(mesh, values)
+        yield _surface(label, outside, outside.cell_data["cell"], values, mesh.cell_data)
+        yield _exploded(f"{label} exploded", mesh, values)
     elif mesh.dimension == 2:
         kept = np.concatenate([np.arange(w.start, w.stop) for k, _, w in mesh.blocks() if CELL_TYPES[k].dimension == 2])
         surface = Mesh(
@@ -190,16 +253,15 @@ def layers(
             {k: c for k, c in mesh.cells.items() if CELL_TYPES[k].dimension == 2},
             point_data=mesh.point_data,
         )
-        yield label, _surface(surface, kept, values, mesh.cell_data)
+        yield _surface(label, surface, kept, values, mesh.cell_data)
     else:
         if not mesh.n_points:
             raise InvalidInput("the mesh is empty; there is nothing to show", parameter="result")
-        lines = mesh.get("line").astype(np.int32)
-        layer = pymeshlab.Mesh(vertex_matrix=mesh.points, edge_matrix=lines) if len(lines) else None
-        yield label, _with_vertex_data(layer or pymeshlab.Mesh(vertex_matrix=mesh.points), mesh.point_data)
+        lines = {"edge_matrix": mesh.get("line").astype(np.int32)} if len(mesh.get("line")) else {}
+        yield Layer(label, pymeshlab.Mesh(vertex_matrix=mesh.points, **lines), {}, mesh.point_data)
 
 
-def _surface(surface: Mesh, cell: np.ndarray, values: np.ndarray, data: dict[str, np.ndarray]) -> pymeshlab.Mesh:
+def _surface(label: str, surface: Mesh, cell: np.ndarray, values: np.ndarray, data: dict[str, np.ndarray]) -> Layer:
     """Faces as a layer; ``cell`` is the number of each face's cell, ``values`` and ``data`` are by these numbers."""
     scalars = values[cell]
     use = {} if np.isnan(scalars).all() else {"f_scalar_array": np.nan_to_num(scalars, posinf=1e30, neginf=-1e30)}
@@ -212,21 +274,13 @@ def _surface(surface: Mesh, cell: np.ndarray, values: np.ndarray, data: dict[str
         polygons = [face for c in corners.values() for face in c.astype(np.uint32)]
         layer = pymeshlab.Mesh(surface.points, polygons, **use)
         face = layer.face_custom_scalar_attribute_array("poly_birth_faces").astype(np.int64)
-    layer.add_face_custom_scalar_attribute(cell[face].astype(float), CELL)
-    for name, array in data.items():
-        _add(layer.add_face_custom_scalar_attribute, layer.add_face_custom_point_attribute, name, array[cell][face])
-    return _with_vertex_data(layer, surface.point_data)
+    face_data = {name: array[cell][face] for name, array in data.items() if name != CELL}
+    return Layer(label, layer, {CELL: cell[face], **face_data}, surface.point_data)
 
 
-def _with_vertex_data(layer: pymeshlab.Mesh, data: dict[str, np.ndarray]) -> pymeshlab.Mesh:
-    for name, array in data.items():
-        _add(layer.add_vertex_custom_scalar_attribute, layer.add_vertex_custom_point_attribute, name, array)
-    return layer
-
-
-def _add(scalar, vector, name: str, array: np.ndarray) -> None:
+def _attach(scalar, vector, name: str, array: np.ndarray) -> None:
     """Attach an array of numbers or of 3-vectors; MeshLab has no place for others."""
-    if array.dtype.kind not in "fiub" or name in (CELL, FACE_SCALAR, VERTEX_SCALAR):
+    if array.dtype.kind not in "fiub" or name in (FACE_SCALAR, VERTEX_SCALAR):
         return
     if array.ndim == 1:
         scalar(array.astype(float), name)
@@ -234,7 +288,7 @@ def _add(scalar, vector, name: str, array: np.ndarray) -> None:
         vector(array.astype(float), name)
 
 
-def _exploded(mesh: Mesh, values: np.ndarray) -> pymeshlab.Mesh:
+def _exploded(label: str, mesh: Mesh, values: np.ndarray) -> Layer:
     """Each solid cell with its own corners and faces, shrunk towards its middle, so that one can look between."""
     points, faces, cell, start = [], {3: [], 4: []}, {3: [], 4: []}, 0
     for kind, cells, where in mesh.blocks():
@@ -250,4 +304,4 @@ def _exploded(mesh: Mesh, values: np.ndarray) -> pymeshlab.Mesh:
             cell[len(local)].append(np.arange(where.start, where.stop))
     kinds = {name: np.concatenate(faces[n]) for n, name in ((3, "triangle"), (4, "quad")) if faces[n]}
     numbers = np.concatenate([part for n in (3, 4) for part in cell[n]])
-    return _surface(Mesh(np.concatenate(points), kinds), numbers, values, mesh.cell_data)
+    return _surface(label, Mesh(np.concatenate(points), kinds), numbers, values, mesh.cell_data)

@@ -54,14 +54,13 @@ def load(ms: pymeshlab.MeshSet, path: str | os.PathLike[str]) -> None:
     path = Path(path).absolute()
     with meshlab_errors("load"):
         if not path.is_file():
-            raise InvalidInput(f"no such file: {path}", parameter="input")
+            raise InvalidInput(f"no such file: {path}")
         if path.suffix.lower() == ".mlp":
             missing = [name for name in _meshes_of(path) if not (path.parent / name).is_file()]
             if missing:
-                raise InvalidInput(f"{path.name} names {missing[0]!r}, which is not there", parameter="input")
+                raise InvalidInput(f"{path.name} names {missing[0]!r}, which is not there")
         elif path.suffix.lower() not in SURFACE_FORMATS:
-            for label, layer in conversion.layers(io.read(path), path.stem, "scaled_jacobian"):
-                ms.add_mesh(layer, label, set_as_current=True)
+            conversion.add(ms, io.read(path), path.stem, "scaled_jacobian")
             return
     (ms.load_project if path.suffix.lower() == ".mlp" else ms.load_new_mesh)(str(path))
 
@@ -80,7 +79,7 @@ def save(ms: pymeshlab.MeshSet, path: str | os.PathLike[str]) -> None:
     path = Path(path).absolute()
     with meshlab_errors("save"):
         if not path.parent.is_dir():
-            raise InvalidInput(f"no such folder: {path.parent}", parameter="output")
+            raise InvalidInput(f"no such folder: {path.parent}")
     if path.suffix.lower() != ".mlp":
         ms.save_current_mesh(str(path), **_quality_options(path))
         return
@@ -104,7 +103,7 @@ def _meshes_of(project: Path) -> list[str]:
     try:
         return [mesh.get("filename", "") for mesh in ET.parse(project).getroot().iter("MLMesh")]
     except ET.ParseError as error:
-        raise InvalidInput(f"{project.name} is no MeshLab project: {error}", parameter="input") from None
+        raise InvalidInput(f"{project.name} is no MeshLab project: {error}") from None
 
 
 def apply_script(ms: pymeshlab.MeshSet, path: str | os.PathLike[str]) -> int:
@@ -121,14 +120,14 @@ def apply_script(ms: pymeshlab.MeshSet, path: str | os.PathLike[str]) -> int:
     path = Path(path).absolute()
     with meshlab_errors("script"):
         if not path.is_file():
-            raise InvalidInput(f"no such script: {path}", parameter="script")
+            raise InvalidInput(f"no such script: {path}")
         try:
             root = ET.parse(path).getroot()
         except ET.ParseError as error:
-            raise InvalidInput(f"{path.name} is no MeshLab script: {error}", parameter="script") from None
+            raise InvalidInput(f"{path.name} is no MeshLab script: {error}") from None
         count = len(root.findall("filter")) + len(root.findall("xmlfilter"))
         if root.tag != "FilterScript" or not count:
-            raise InvalidInput(f"{path.name} has no filters", parameter="script")
+            raise InvalidInput(f"{path.name} has no filters")
     ms.clear_filter_script()
     try:
         ms.load_filter_script(str(path))

@@ -191,11 +191,7 @@ def _input(layer: pymeshlab.Mesh, port: Port, attributes: Any) -> meshcore.Mesh:
 
 def add_layers(ms: pymeshlab.MeshSet, mesh: Any, report: Any, label: str, measure: str) -> FilterResult:
     """Add the layers that show a result, the first of them current, and tell its numbers."""
-    ids = []
-    for name, layer in conversion.layers(mesh, label, measure):
-        ms.add_mesh(layer, name, set_as_current=True)
-        ids.append(ms.current_mesh_id())
-    ms.set_current_mesh(ids[0])
+    ids = conversion.add(ms, mesh, label, measure)
     result = FilterResult(layer=ids[0], layers=len(ids), **report.counts, **report.quality)
     result.update(converged=int(report.converged), warnings=len(report.warnings), seconds=report.seconds)
     result.mesh, result.report = mesh, report
