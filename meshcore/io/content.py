@@ -89,6 +89,11 @@ def number(word: str) -> float | None:
 
 def floats(words: list[str], line: int) -> list[float]:
     """Words as numbers; `InvalidInput` names the line and the word that is none."""
+    try:
+        if not any("_" in word for word in words):
+            return list(map(float, words))
+    except ValueError:
+        pass  # Fortran's exponents, or no numbers at all
     values = [number(word) for word in words]
     if None in values:
         raise InvalidInput(f"line {line}: {words[values.index(None)]!r} is not a number")

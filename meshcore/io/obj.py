@@ -73,7 +73,7 @@ def write_obj(path: Path, mesh: Mesh) -> None:
     for name, members in mesh.sets.items():
         for k in np.unique(members).tolist():
             inside[k].append(quote(name, safe="/:+,()=&"))
-    lines = ["# written by meshcore", *(f"v {exact(x)} {exact(y)} {exact(z)}" for x, y, z in mesh.points)]
+    lines = ["# written by meshcore", *(f"v {exact(x)} {exact(y)} {exact(z)}" for x, y, z in mesh.points.tolist())]
     current: list[str] = []
     number = 0
     for kind, cells, _ in mesh.blocks():

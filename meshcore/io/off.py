@@ -47,7 +47,7 @@ def read_off(path: Path) -> Mesh:
 def write_off(path: Path, mesh: Mesh) -> None:
     """Every digit of the points."""
     lines = ["OFF", f"{mesh.n_points} {mesh.n_cells} 0"]
-    lines += [f"{exact(x)} {exact(y)} {exact(z)}" for x, y, z in mesh.points]
+    lines += [f"{exact(x)} {exact(y)} {exact(z)}" for x, y, z in mesh.points.tolist()]
     for cells in mesh.cells.values():
         lines += [" ".join([str(len(nodes)), *map(str, nodes)]) for nodes in cells.tolist()]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -92,7 +92,7 @@ def write_stl(path: Path, mesh: Mesh, *, binary: bool = True) -> None:
         _write_binary(path, corners, normals)
         return
     lines = ["solid meshcore"]
-    for normal, triangle in zip(normals, corners, strict=True):
+    for normal, triangle in zip(normals.tolist(), corners.tolist(), strict=True):
         lines += [f"facet normal {' '.join(map(exact, normal))}", "outer loop"]
         lines += [f"vertex {' '.join(map(exact, corner))}" for corner in triangle]
         lines += ["endloop", "endfacet"]

@@ -117,7 +117,7 @@ def write_su2(path: Path, mesh: Mesh) -> None:
     lines += [f"{rows[k]} {n}" for n, k in enumerate(domain)]
     lines.append(f"NPOIN= {mesh.n_points}")
     columns = mesh.points[:, :2] if flat else mesh.points
-    lines += [" ".join([*map(exact, p), str(k)]) for k, p in enumerate(columns)]
+    lines += [" ".join([*map(exact, p), str(k)]) for k, p in enumerate(columns.tolist())]
     markers = _markers(mesh, is_domain)
     lines.append(f"NMARK= {len(markers)}")
     for name, members in markers.items():

@@ -88,6 +88,9 @@ def _column(rows: Lines, k: int, what: str) -> np.ndarray:
 
 
 def _attributes(rows: Lines, first: int, count: int, names: list[str], what: str) -> dict[str, np.ndarray]:
+    line, widest = max(((line, len(words)) for line, words in rows), key=lambda row: row[1])
+    if count > widest - first:
+        raise InvalidInput(f"{count} attributes are promised, but line {line}, the longest, has {widest} numbers")
     if len(names) != count:
         names = [f"attribute {k + 1}" for k in range(count)]
     return {name: _column(rows, first + k, what) for k, name in enumerate(names)}
@@ -223,7 +226,7 @@ def _node_lines(mesh: Mesh) -> tuple[list[str], list[str]]:
     columns = {key: v for key, v in data.items() if key != "tag" or not has_marker}
     lines = [f"{mesh.n_points} 2 {len(columns)} {int(has_marker)}"]
     ordered = [*columns.values(), *([tag] if has_marker else [])]
-    for k, (x, y, _) in enumerate(mesh.points):
+    for k, (x, y, _) in enumerate(mesh.points.tolist()):
         lines.append(" ".join([str(k + 1), exact(x), exact(y), *(_text(c[k]) for c in ordered)]))
     return lines, list(columns)
 

@@ -157,6 +157,7 @@ def test_wrong_extension(name: str, tmp_path: Path) -> None:
 
 HUGE = {
     "counts.poly": "9999999999999 2 0 0\n1 0 0\n",
+    "attributes.poly": "3 2 99999999999 0\n1 0 0\n2 1 0\n3 0 1\n0\n0\n",
     "counts.off": "OFF\n999999999999 1 0\n0 0 0\n",
     "counts.ply": "ply\nformat ascii 1.0\nelement vertex 99999999999\nproperty float x\nproperty float y\n"
     "property float z\nend_header\n0 0 0\n",
