@@ -100,7 +100,7 @@ def test_flipped_bytes(name: str, tmp_path: Path, capfd: pytest.CaptureFixture) 
     SAMPLES[name](path)
     whole = path.read_bytes()
     chance = random.Random(name)
-    for _ in range(150):
+    for _ in range(80):
         damaged = bytearray(whole)
         for _ in range(chance.choice([1, 1, 3, 20])):
             damaged[chance.randrange(len(damaged))] = chance.choice(
