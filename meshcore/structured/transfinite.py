@@ -206,16 +206,16 @@ def _sides(given: dict[str, Curve | None], corners, tolerance) -> list[np.ndarra
 def _cut(curve: Curve, corners: tuple[int, ...]) -> list[np.ndarray]:
     """Cut a closed loop at four corners into south, east, north, west."""
     loop = polyline(curve, "south")
+    n = len(loop) - 1
+    # Points are numbered as the user numbers them: in a mesh, not in the order of the chain.
+    number = chains(curve)[0] if isinstance(curve, Mesh) and len(curve.get("line")) else np.arange(n + 1)
     if not is_closed(loop):
         raise InvalidGeometry(
-            "is open; close the loop, or give all four sides", parameter="south", points=(0, len(loop) - 1)
+            "is open; close the loop, or give all four sides", parameter="south", points=number[[0, -1]]
         )
-    n = len(loop) - 1
     if set(corners) == {-1}:
         at = sharpest_corners(loop)
     else:
-        # Corners are numbered as the user numbers points: in a mesh, not in the order of the chain.
-        number = chains(curve)[0] if isinstance(curve, Mesh) and len(curve.get("line")) else np.arange(n + 1)
         at = np.flatnonzero(np.isin(number[:-1], corners))
     if len(at) != 4:
         raise InvalidInput(f"needs four different points of the loop, got {tuple(corners)}", parameter="corners")
