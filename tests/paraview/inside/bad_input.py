@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from itertools import pairwise
 
+import numpy as np
 import paraview.simple as pv
 from datasets import fetched, polylines, producer, unstructured
 from harness import OUT, load_plugin, run_checks, said
@@ -110,6 +111,72 @@ def check_section_that_is_not_planar():
 def check_section_that_crosses_itself():
     bow = [(0, 0, 0), (1, 1, 0), (1, 0, 0), (0, 1, 0), (0, 0, 0)]
     assert complaint(pv.meshcoreOGrid(Input=producer(polylines(bow))))
+
+
+def delaunay(dataset, **values):
+    source = producer(dataset) if hasattr(dataset, "GetPointData") else dataset
+    return pv.meshcoreDelaunayRefinement(Input=source, **values)
+
+
+def check_sphere_to_delaunay_refinement():
+    assert "boundary: needs lines" in complaint(delaunay(pv.Sphere()))
+
+
+def check_volume_to_delaunay_refinement():
+    assert "boundary: needs lines" in complaint(delaunay(pv.Wavelet(WholeExtent=[0, 3, 0, 3, 0, 3])))
+
+
+def check_loop_that_is_not_planar():
+    loop = [(0, 0, 0), (1, 0, 0.4), (1, 1, 0), (0, 1, 0.4), (0, 0, 0)]
+    text = complaint(delaunay(polylines(loop)))
+    assert "plan" in text and "0.2" in text, text  # names the deviation
+
+
+def check_open_loop_to_delaunay_refinement():
+    assert complaint(delaunay(polylines(SQUARE[:3])))
+
+
+def check_empty_input_to_delaunay_refinement():
+    assert "boundary: needs lines" in complaint(delaunay(vtkPolyData()))
+
+
+def check_all_points_in_one_line():
+    assert complaint(delaunay(polylines([(0, 0, 0), (1, 0, 0), (2, 0, 0), (0, 0, 0)])))
+
+
+def check_angle_out_of_range():
+    text = complaint(delaunay(polylines(SQUARE), MinAngle=50))
+    assert "min_angle: must be at most" in text, text
+
+
+def check_size_that_is_not_a_number():
+    assert "size: " in complaint(delaunay(polylines(SQUARE), Size=NAN))
+
+
+def check_repeated_points_and_lines_are_no_error():
+    doubled = [SQUARE[0], SQUARE[0], *SQUARE[1:]]
+    assert fetched(delaunay(polylines(doubled, SQUARE))).GetNumberOfCells() >= 2
+
+
+def check_unknown_array():
+    model = pv.meshcoreModel(Model="Triangulated Square")
+    text = complaint(pv.meshcoreAdaptiveRefinement(Input=model, Indicator="pressure"))
+    assert "pressure" in text and "front" in text, text  # names what there is
+
+
+def check_lines_to_adaptive_refinement():
+    assert "triangle" in complaint(pv.meshcoreAdaptiveRefinement(Input=pv.meshcoreModel(Model="Square")))
+
+
+def check_volume_to_adaptive_refinement():
+    wavelet = pv.Wavelet(WholeExtent=[0, 3, 0, 3, 0, 3])
+    assert "triangle" in complaint(pv.meshcoreAdaptiveRefinement(Input=wavelet))
+
+
+def check_indicator_with_a_hole():
+    points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)]
+    mesh = unstructured(points, [(5, (0, 1, 2)), (5, (1, 3, 2))], {"error": np.array([1.0, NAN])})
+    assert complaint(pv.meshcoreAdaptiveRefinement(Input=producer(mesh), Indicator="error"))
 
 
 def check_single_precision_is_planar_enough():

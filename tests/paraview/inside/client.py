@@ -6,7 +6,7 @@ import os
 
 import numpy as np
 import paraview.simple as pv
-from datasets import content, fetched
+from datasets import content, dimensions, fetched
 from harness import OUT, load_plugin, run_checks
 
 from meshcore import gallery, transfinite
@@ -27,7 +27,7 @@ def check_filter_runs_on_the_server():
     proxy = pv.meshcoreTransfiniteInterpolation(South=pv.meshcoreModel(Model="Square", Resolution=4))
     grid, _ = transfinite(gallery.square(4))
     dataset = fetched(proxy)
-    assert tuple(dataset.GetDimensions()) == grid.shape
+    assert dimensions(dataset) == grid.shape
     np.testing.assert_array_equal(content(dataset)[0], grid.flat(grid.points))
 
 

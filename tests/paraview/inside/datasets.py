@@ -87,6 +87,12 @@ def content(dataset):
     return np.array(points).reshape(-1, 3), cells, cell_data, arrays(dataset.GetPointData())
 
 
+def dimensions(grid):
+    """Points of a structured dataset along i, j, k."""
+    low, high = grid.GetExtent()[::2], grid.GetExtent()[1::2]
+    return tuple(b - a + 1 for a, b in zip(low, high, strict=True))
+
+
 def arrays(attributes):
     """Numeric arrays by name."""
     found = {}

@@ -6,7 +6,7 @@ import gc
 
 import numpy as np
 import paraview.simple as pv
-from datasets import assert_same, content, fetched, of_mesh, polylines, producer, texts, unstructured
+from datasets import assert_same, content, dimensions, fetched, of_mesh, polylines, producer, texts, unstructured
 from harness import OUT, load_plugin, run_checks
 
 import meshcore
@@ -28,7 +28,7 @@ def panel_value(param, value):
 def meshcore_value(param, value):
     """What a value in the panel means to meshcore."""
     if param.array:
-        return "" if value == "None" else value
+        return "" if value == "None" else str(next(iter(value)))  # ParaView's value is a list that prints as text
     if param.size > 1:
         return tuple(value)
     if param.kind == "bool":
@@ -59,7 +59,7 @@ def filter_and_call(identifier, inputs=None, **more):
 def assert_same_mesh(dataset, mesh):
     if isinstance(mesh, meshcore.StructuredGrid):
         assert dataset.GetClassName() == "vtkStructuredGrid"
-        assert tuple(dataset.GetDimensions()) == mesh.shape
+        assert dimensions(dataset) == mesh.shape
         points = [
             mesh.points[i, j, k]
             for k in range(mesh.shape[2])
@@ -128,7 +128,7 @@ def check_polylines_without_shared_points_make_one_loop():
     ]
     loop = producer(polylines(*sides))
     dataset = fetched(pv.meshcoreTransfiniteInterpolation(South=loop))
-    assert tuple(dataset.GetDimensions()) == (3, 2, 1)
+    assert dimensions(dataset) == (3, 2, 1)
     assert sorted(content(dataset)[0].tolist()) == sorted([float(x), float(y), 0.0] for x in range(3) for y in range(2))
 
 
@@ -155,13 +155,13 @@ def check_extent_follows_the_parameters_downstream():
     subset = pv.ExtractSubset(Input=proxy, VOI=[0, 99, 0, 99, 0, 0])
     for cells in (4, 9, 2, 7):
         proxy.CellsI = cells
-        assert tuple(fetched(subset).GetDimensions()) == (cells + 1, 4, 1)
+        assert dimensions(fetched(subset)) == (cells + 1, 4, 1)
         path = str(OUT / "extent.vts")
         pv.SaveData(path, proxy=proxy)
-        assert tuple(fetched(pv.XMLStructuredGridReader(FileName=[path])).GetDimensions()) == (cells + 1, 4, 1)
+        assert dimensions(fetched(pv.XMLStructuredGridReader(FileName=[path]))) == (cells + 1, 4, 1)
     proxy.CellsI = proxy.CellsJ = 0
     plane.XResolution = 11  # a change of the input, not of the filter
-    assert tuple(fetched(subset).GetDimensions()) == (12, 4, 1)
+    assert dimensions(fetched(subset)) == (12, 4, 1)
 
 
 def check_a_filter_feeds_the_next():
@@ -169,6 +169,44 @@ def check_a_filter_feeds_the_next():
     first = pv.meshcoreTransfiniteInterpolation(South=plane)
     second = pv.meshcoreTransfiniteInterpolation(South=first, CellsI=8, CellsJ=6)
     assert fetched(second).GetNumberOfCells() == 48
+
+
+def check_thousands_of_edges():
+    angle = 2 * np.pi * np.arange(4000) / 4000
+    loop = [(np.cos(a), np.sin(a), 0.0) for a in angle]
+    dataset = fetched(pv.meshcoreDelaunayRefinement(Input=producer(polylines([*loop, loop[0]])), MinAngle=25))
+    points, cells, _, _ = content(dataset)
+    kept = {tuple(p) for p in points.tolist()}
+    assert kept.issuperset(tuple(map(float, p)) for p in loop)
+    a, b, c = (points[cells["triangle"][:, k], :2] for k in range(3))
+    area = 0.5 * np.sum((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
+    np.testing.assert_allclose(area, 0.5 * 4000 * np.sin(2 * np.pi / 4000), rtol=1e-12)
+
+
+def check_tilted_plane_stays_where_it_is():
+    corners = np.array([(0, 0), (2, 0), (2, 1), (0, 1), (0, 0)], float)
+    tilted = [(x, 0.6 * y + 3, 0.8 * y - 1) for x, y in corners]
+    dataset = fetched(pv.meshcoreDelaunayRefinement(Input=producer(polylines(tilted)), Size=0.2))
+    points = content(dataset)[0]
+    np.testing.assert_allclose(0.8 * (points[:, 1] - 3), 0.6 * (points[:, 2] + 1), atol=1e-12)
+    assert dataset.GetNumberOfCells() > 100
+
+
+def check_single_precision_geometry_of_paraviews_own():
+    disk = pv.Disk(InnerRadius=0.5, OuterRadius=1.0, CircumferentialResolution=24)
+    turned = pv.Transform(Input=disk, Transform="Transform")
+    turned.Transform.Rotate = [35.0, 20.0, 10.0]
+    dataset = fetched(pv.meshcoreDelaunayRefinement(Input=turned, MinAngle=25))
+    points, cells, _, _ = content(dataset)
+    radius = np.linalg.norm(points[cells["triangle"]].mean(axis=1), axis=1)
+    assert 0.5 * np.cos(np.pi / 24) < radius.min() and radius.max() < 1  # the hole is kept, both rims as well
+
+
+def check_regions_and_cell_data_come_back():
+    proxy, mesh = filter_and_call("delaunay_refinement", max_area=0.01)
+    dataset = fetched(proxy)
+    assert_same_mesh(dataset, mesh)
+    assert "region" in content(dataset)[2]
 
 
 if __name__ == "__main__":

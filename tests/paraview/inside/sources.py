@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import paraview.simple as pv
-from datasets import arrays, assert_same, content, fetched, polylines, producer, texts, unstructured
+from datasets import arrays, assert_same, content, dimensions, fetched, polylines, producer, texts, unstructured
 from harness import OUT, load_plugin, run_checks, said
 
 import meshcore
@@ -135,7 +135,7 @@ def check_structured_grids_in_plot3d():
     path = OUT / "grid.xyz"
     pv.SaveData(str(path), proxy=grid)
     dataset = fetched(pv.meshcoreReader(FileName=str(path)))
-    assert dataset.GetClassName() == "vtkStructuredGrid" and tuple(dataset.GetDimensions()) == (4, 3, 1)
+    assert dataset.GetClassName() == "vtkStructuredGrid" and dimensions(dataset) == (4, 3, 1)
     np.testing.assert_allclose(content(dataset)[0], content(fetched(grid))[0], atol=1e-7)
 
 
