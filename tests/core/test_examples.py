@@ -18,7 +18,7 @@ NUMBERS = {
     "figure_11_o_grid": None,
     "figure_23_empty_circumcircles": None,
     "figure_25_degenerate_points": 800,
-    "figure_29_constrained_delaunay": 2,
+    "figure_29_constrained_delaunay": 1,
     "surface_between_four_curves": 32 * 24,
 }
 
