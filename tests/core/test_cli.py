@@ -10,6 +10,7 @@ import subprocess
 import sys
 import types
 import warnings
+from dataclasses import replace
 from typing import Annotated, Literal
 
 import numpy as np
@@ -119,6 +120,32 @@ def test_quiet_prints_nothing(loop, tmp_path, call):
 def test_cells_and_lengths_arrive(loop, tmp_path, call):
     call("transfinite", loop, "-o", tmp_path / "g.vts", "--cells-i", "40", "--cells-j", "20", "--tolerance", "1%")
     assert mc.io.read(tmp_path / "g.vts").shape == (41, 21, 1)
+
+
+def test_holes_of_a_poly_file_reach_the_operation(tmp_path, call):
+    """A point between the outline and an inner square empties what the even-odd rule alone would fill."""
+    outline = gallery.joined(gallery.square(), gallery.square(size=0.25))
+    inner = outline.with_points(outline.points + [0.25, 0.25, 0] * (np.arange(8) >= 4)[:, None])
+    mc.io.write(tmp_path / "h.poly", replace(inner, field_data={"holes": np.array([[0.1, 0.1]])}))
+    code, _, err = call("delaunay-refinement", tmp_path / "h.poly", "-o", tmp_path / "out.vtu")
+    assert (code, err) == (0, "")
+    area = mc.quality.measure(mc.io.read(tmp_path / "out.vtu"), "area").sum()
+    assert area == pytest.approx(0.25**2)
+
+
+@pytest.mark.parametrize(
+    ("words", "fault"),
+    [
+        (["--min-angle", "200"], "min_angle: must be at most 34, got 200"),
+        (["--min-angle", "nan"], "min_angle: must be finite, got nan"),
+        (["--size", "0"], "size: must be greater than zero, got 0"),
+        (["--max-area=-1"], "max_area: must be"),
+    ],
+)
+def test_absurd_parameters_of_a_real_operation(words, fault, loop, tmp_path, call):
+    code, out, err = call("delaunay-refinement", loop, "-o", tmp_path / "out.vtu", *words)
+    assert (code, out) == (1, "") and err.startswith(f"meshcore: error: {fault}") and err.count("\n") == 1
+    assert not (tmp_path / "out.vtu").exists()
 
 
 def test_structured_file_for_an_input_that_is_a_mesh(tmp_path, call):

@@ -35,7 +35,7 @@ class Home(NamedTuple):
         found = {}
         for path in sorted(self.folder.rglob("*")):
             name = path.relative_to(self.folder).as_posix()
-            if not name.startswith((".rustup", ".cache")) and "__pycache__" not in name:
+            if not name.startswith((".rustup", ".cache", ".config/matplotlib")) and "__pycache__" not in name:
                 found[name] = path.read_bytes() if path.is_file() else b"a folder"
         return found
 
