@@ -167,16 +167,15 @@ class _Examined:
 
     def cells_with(self, edges: np.ndarray) -> np.ndarray:
         """(k,) int: for each directed edge, a cell that runs along it."""
-        wanted = edges[:, 0] * self.mesh.n_points + edges[:, 1]
-        order = np.argsort(wanted, kind="stable")
-        owner = np.full(len(edges), -1)
+        wanted, asked = np.unique(edges[:, 0] * self.mesh.n_points + edges[:, 1], return_inverse=True)
+        owner = np.full(len(wanted), -1)
         for kind, cells, where in self.mesh.blocks():
             if CELL_TYPES[kind].dimension == 2:
                 for i, j in CELL_TYPES[kind].edges:
                     key = cells[:, i] * self.mesh.n_points + cells[:, j]
                     hit = np.flatnonzero(np.isin(key, wanted))
-                    owner[order[np.searchsorted(wanted[order], key[hit])]] = where.start + hit
-        return owner
+                    owner[np.searchsorted(wanted, key[hit])] = where.start + hit
+        return owner[asked]
 
 
 def _signed_area(mesh: Mesh, plane: np.ndarray) -> float:

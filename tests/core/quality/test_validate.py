@@ -156,6 +156,13 @@ def test_hanging_node():
     assert names(rotated(mesh, 8)) == ["hanging nodes"]
 
 
+def test_several_points_hanging_on_one_edge():
+    inner = [[0.1, 0.1], [0.9, 0.1], [0.1, 0.9]]
+    mesh = Mesh([[0, 0], [1, 0], [0, 1], *inner], {"triangle": [[0, 1, 2], [3, 4, 5]]})
+    (fault,) = quality.validate(mesh, raise_=False)
+    assert fault.name == "hanging nodes" and fault.points.tolist() == [4, 5] and fault.cells.tolist() == [0]
+
+
 def test_crossing_parts():
     one = Mesh([[0, 0], [2, 0], [1, 2]], {"triangle": [[0, 1, 2]]})
     two = one.with_points(one.points + [0.9, 0.5, 0.0])
