@@ -66,12 +66,15 @@ class Source:
         Vertex of the object for each point of the mesh; None if modifiers made the points.
     faces : (m,) int or None
         Face of the object for each cell of the mesh; None for lines, and if modifiers made the faces.
+    parts : tuple of Source
+        What the mesh was joined from, its points in this order.
     """
 
     mesh: Mesh
     name: str
     vertices: np.ndarray | None = None
     faces: np.ndarray | None = None
+    parts: tuple[Source, ...] = ()
 
 
 def read(context: Any, ob: Any, kinds: Sequence[str]) -> Source:

@@ -26,7 +26,7 @@ def problem(context: Any, declaration: dict[str, Any]) -> str:
     if ob is None:
         return f"Select {wanted}"
     if ob.type not in READABLE:
-        return f"{ob.name} is a {ob.type.lower().replace('_', ' ')}; select {wanted}"
+        return f"{ob.name} ({ob.type.lower().replace('_', ' ')}) has no lines or faces; select {wanted}"
     if not ob.visible_get():
         return f"{ob.name} is hidden; show it first"
     if ob.mode not in _MODES:
@@ -124,7 +124,7 @@ def _joined(sources: list[Source]) -> Source:
     for name in set.intersection(*[set(mesh.cell_data) for mesh in meshes]):
         data[name] = np.concatenate([mesh.cell_data[name] for mesh in meshes])
     points = np.concatenate([mesh.points for mesh in meshes])
-    return Source(Mesh(points, {"line": lines}, cell_data=data), sources[0].name)
+    return Source(Mesh(points, {"line": lines}, cell_data=data), sources[0].name, parts=tuple(sources))
 
 
 def _lines_only(port: dict[str, Any]) -> bool:

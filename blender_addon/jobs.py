@@ -31,7 +31,7 @@ class Job:
     def __init__(self, call: Callable[..., Any], watch: Callable[[float, str], None] | None = None):
         self.fraction, self.message = 0.0, COMPILING
         self.result: Any = None
-        self.error: BaseException | None = None
+        self.error: Exception | None = None
         self._call, self._watch = call, watch
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
@@ -47,7 +47,7 @@ class Job:
         """Call, here and now."""
         try:
             self.result = self._call(progress=self.progress)
-        except BaseException as error:  # a thread's exception would be lost; whoever waits for the job handles it
+        except Exception as error:  # a thread's exception would be lost; whoever waits for the job handles it
             self.error = error
 
     def start(self) -> None:

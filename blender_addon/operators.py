@@ -14,6 +14,7 @@ import traceback
 from typing import Any
 
 import bpy
+import numpy as np
 
 from . import inputs, properties, results, selection
 from .convert import ReadingFailed, Source
@@ -120,8 +121,6 @@ class OperationBase:
 
     def _fill_lengths(self) -> None:
         """Show relative lengths as what they are for this input, unless the caller set them."""
-        import numpy as np
-
         if not self._sources:
             return
         corners = np.concatenate([source.mesh.bounds for source in self._sources])
@@ -160,9 +159,9 @@ class OperationBase:
         """One line for the user; the place of the fault selected; a traceback only for what nobody foresaw."""
         level, text = explain(error)
         if level == "ERROR":
-            marked, name = mark(error, getattr(self, "_sources", []))
+            marked, name = mark(error, getattr(self, "_sources", []), list(self.declaration["inputs"]))
             if marked:
-                text += f" ({marked} vertices selected on {name})"
+                text += f" ({marked} {'vertex' if marked == 1 else 'vertices'} selected on {name})"
         self.report({level}, text)
         return {"CANCELLED"}
 
@@ -183,15 +182,35 @@ def explain(error: BaseException) -> tuple[str, str]:
     return "ERROR", f"Unexpected {type(error).__name__}: {error}; the console shows where, please report it"
 
 
-def mark(error: BaseException, sources: list[Source]) -> tuple[int, str]:
-    """Select the vertices that an error names; return how many, and on which object."""
+def mark(error: BaseException, sources: list[Source], ports: list[str]) -> tuple[int, str]:
+    """Select the vertices that an error names; return how many, and on which objects."""
     if isinstance(error, ReadingFailed):
         return selection.select_vertices(error.name, error.vertices), error.name
-    points = getattr(error, "points", ())
-    source = sources[0] if len(sources) == 1 else None
-    if source is None or source.vertices is None or not points or max(points) >= len(source.vertices):
+    if not sources:
         return 0, ""
-    return selection.select_vertices(source.name, source.vertices[list(points)]), source.name
+    parameter = getattr(error, "parameter", "")
+    number = ports.index(parameter) if parameter in ports[: len(sources)] else 0
+    source = sources[number]
+    points = np.unique(_points_of(error, source)).astype(int)
+    marked, names, start = 0, [], 0
+    for part in source.parts or (source,):
+        here = points[(points >= start) & (points < start + part.mesh.n_points)] - start
+        start += part.mesh.n_points
+        if part.vertices is not None and len(here):
+            marked += selection.select_vertices(part.name, part.vertices[here])
+            names.append(part.name)
+    return marked, " and ".join(names)
+
+
+def _points_of(error: Any, source: Source) -> list[int]:
+    """The points that an error names, or those of the cells that it names."""
+    if not hasattr(error, "points"):  # other errors' cells are not those of an input
+        return []
+    points = list(error.points)
+    cells = set() if points else set(error.cells)
+    for _, nodes, where in source.mesh.blocks():
+        points += [int(p) for c in cells & set(range(where.start, where.stop)) for p in nodes[c - where.start]]
+    return points
 
 
 def draw_parameters(layout: Any, properties_of: Any, params: dict[str, dict[str, Any]]) -> None:

@@ -40,7 +40,7 @@ class MESHCORE_OT_compile_kernels(bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def modal(self, context: Any, event: Any) -> set[str]:
-        """Wait for the thread; Esc stops after the operation at hand."""
+        """Wait for the thread; Esc stops it."""
         if event.type == "ESC":
             self._job.stop()
         if event.type != "TIMER":
@@ -73,13 +73,14 @@ def compile_all(progress: Any) -> int:
     """Run every operation on its model input; return how many."""
     import meshcore
     from meshcore import gallery
-    from meshcore.progress import advance
+    from meshcore.progress import advance, part_of
 
     found = meshcore.operations()
     for number, (identifier, operation) in enumerate(found.items()):
-        advance(progress, number / len(found), f"compiling {operation.label}")
+        step = part_of(progress, number / len(found), (number + 1) / len(found))
+        advance(step, 0.0, f"compiling {operation.label}")
         positional, keywords = gallery.arguments(identifier)
-        operation.function(*positional, **keywords)
+        operation.function(*positional, **keywords, progress=step)
     advance(progress, 1.0, "compiled")
     return len(found)
 

@@ -30,7 +30,7 @@ def test_nothing_active(installed):
 @pytest.mark.parametrize(("kind", "word"), [("camera_add", "camera"), ("light_add", "light"), ("empty_add", "empty")])
 def test_objects_without_geometry(installed, kind, word):
     getattr(bpy.ops.object, kind)()
-    refused(f"is an? {word}; select")
+    refused(rf"\({word}\) has no lines or faces; select 4 curves")
 
 
 def test_empty_mesh(installed):
@@ -62,6 +62,24 @@ def test_open_chain_selects_its_ends(installed):
     ob = scene.add_mesh("chain", SQUARE, LOOP[:3])
     assert "2 vertices selected on chain" in refused("is open")
     assert [v.select for v in ob.data.vertices] == [True, False, False, True]
+
+
+def test_open_chain_whose_edges_are_in_no_order(installed):
+    ob = scene.add_mesh("chain", SQUARE, [(3, 0), (1, 2), (0, 1)])
+    assert "2 vertices selected on chain" in refused("is open")
+    assert [v.select for v in ob.data.vertices] == [False, False, True, True]
+
+
+def test_fault_of_one_side_is_marked_on_that_side(installed):
+    south = scene.add_mesh("south", [(0, 0, 0), (1, 0, 0)], [(0, 1)])
+    points = [(1, 0, 0), (1, 0.4, 0), (1, 0.6, 0), (1, 1, 0)]
+    east = scene.add_mesh("east", points, [(0, 1), (2, 3)], select=False)
+    north = scene.add_mesh("north", [(0, 1, 0), (1, 1, 0)], [(0, 1)], select=False)
+    west = scene.add_mesh("west", [(0, 0, 0), (0, 1, 0)], [(0, 1)], select=False)
+    scene.activate(south, east, north, west)
+    assert "4 vertices selected on" in refused("one chain")
+    assert [sum(v.select for v in ob.data.vertices) for ob in (south, east, north, west)].count(4) == 1
+    assert all(v.select for v in east.data.vertices)
 
 
 def test_open_chain_in_edit_mode_selects_its_ends(installed):
@@ -99,7 +117,7 @@ def test_coordinates_that_are_no_numbers(installed, bad):
     points = np.array(SQUARE, np.float32)
     points[2, 1] = bad
     ob.data.vertices.foreach_set("co", points.ravel())  # which checks nothing
-    assert "1 vertices selected on broken" in refused("broken: .*nan|inf")
+    assert "(1 vertex selected on broken)" in refused("broken: .*nan|inf")
     assert [v.select for v in ob.data.vertices] == [False, False, True, False]
 
 

@@ -202,7 +202,7 @@ def test_error_in_the_thread_is_one_line(job, core, monkeypatch):
     context = Context()
     job.invoke(context, event("LEFTMOUSE"))
     assert drive(job, context) == {"CANCELLED"}
-    assert job.reports == [("ERROR", "is bad there (1 vertices selected on square)")]
+    assert job.reports == [("ERROR", "is bad there (1 vertex selected on square)")]
     assert [v.select for v in bpy.data.objects["square"].data.vertices] == [False, False, True, False]
     assert cleaned_up(context)
 

@@ -130,6 +130,14 @@ def test_crossing_lines_are_refused_marked_or_split(installed):
     assert area(scene.active()) == pytest.approx(0.5, rel=1e-5)
 
 
+def test_crossing_of_two_objects_is_marked_on_both(installed):
+    one, two = loop("one", SQUARE), loop("two", SQUARE + [0.5, 0.5, 0], select=False)
+    scene.activate(one, two)
+    assert "selected on one and two" in refused("cross")
+    assert chosen(one)
+    assert chosen(two)
+
+
 def test_size_that_nobody_can_store(installed):
     loop("square", SQUARE)
     refused("size", size=1e-7)
