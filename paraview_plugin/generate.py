@@ -129,8 +129,10 @@ class {name}(Operation):
 {textwrap.indent(setters, "    ")}'''
 
 
-def _tuple(items: list) -> str:
-    return "(" + ", ".join(repr(item) for item in items) + ("," if len(items) == 1 else "") + ")"
+def _tuple(rows: list[tuple[str, str, bool]]) -> str:
+    """The source of the ports, in double quotes as in the rest of the file."""
+    written = [f'("{name}", "{takes}", {optional})' for name, takes, optional in rows]
+    return "(" + ", ".join(written) + ("," if len(written) == 1 else "") + ")"
 
 
 def _takes(port: Port) -> str:
@@ -179,12 +181,14 @@ def _panel(op: Operation) -> str:
     for group, names in groups.items():
         members = "\n".join(f'  <Property name="{name}"/>' for name in names)
         parts.append(f"<PropertyGroup label={quoteattr(group)}>\n{members}\n</PropertyGroup>")
-    return "\n".join(parts)
+    # The panel stands in a Python string, where a backslash would mean something else.
+    return "\n".join(parts).replace("\\", "&#92;")
 
 
 def _documentation(text: str, attributes: str = "") -> str:
     """The XML of a description, which ParaView shows as tooltip and help."""
-    return "\n".join(textwrap.wrap(f"<Documentation{attributes}>{escape(text)}</Documentation>", 112))
+    text = escape(text, {'"': "&quot;"})
+    return "\n".join(textwrap.wrap(f"<Documentation{attributes}>{text}</Documentation>", 112))
 
 
 def _input(port: Port, number: int, count: int) -> str:

@@ -866,7 +866,7 @@ def vtk_type_of(content):
 class meshcoreOGrid(Operation):
     operation = "o_grid"
     label = "meshcore O Grid"
-    ports = (('section', 'lines', False),)
+    ports = (("section", "lines", False),)
     output = "vtkStructuredGrid"
 
     def SetRadius(self, value):
@@ -989,7 +989,7 @@ class meshcoreOGrid(Operation):
 class meshcoreTransfiniteInterpolation(Operation):
     operation = "transfinite"
     label = "meshcore Transfinite Interpolation"
-    ports = (('south', 'lines', False), ('east', 'lines', True), ('north', 'lines', True), ('west', 'lines', True))
+    ports = (("south", "lines", False), ("east", "lines", True), ("north", "lines", True), ("west", "lines", True))
     output = "vtkStructuredGrid"
 
     def SetCellsI(self, value):
@@ -1065,7 +1065,7 @@ class meshcoreTransfiniteInterpolation(Operation):
 class meshcoreDelaunayRefinement(Operation):
     operation = "delaunay_refinement"
     label = "meshcore Delaunay Refinement"
-    ports = (('boundary', 'lines', False),)
+    ports = (("boundary", "lines", False),)
     output = "vtkUnstructuredGrid"
 
     def SetMinAngle(self, value):
@@ -1119,7 +1119,7 @@ class meshcoreDelaunayRefinement(Operation):
 class meshcoreAdaptiveRefinement(Operation):
     operation = "refined"
     label = "meshcore Adaptive Refinement"
-    ports = (('mesh', 'mesh', False),)
+    ports = (("mesh", "mesh", False),)
     output = "vtkUnstructuredGrid"
 
     def SetIndicator(self, value):
