@@ -3,7 +3,8 @@
 
 Reading gives world coordinates of the evaluated object, so with its modifiers. Writing keeps quads as quads, line
 cells as edges, point data as vertex attributes, cell data as face or edge attributes and sets as boolean attributes
-whose names begin with ``set:``. Blender stores coordinates with 32 bits: about seven digits.
+whose names begin with ``set:``. Blender stores numbers with 32 bits, about seven digits, and each name once: where
+points, edges and faces have data of one name, the later ones are called ``name.edge`` and ``name.face``.
 """
 
 from __future__ import annotations
@@ -113,7 +114,7 @@ def read(context: Any, ob: Any, kinds: Sequence[str]) -> Source:
         used = np.zeros(len(points), bool)
         for nodes in cells.values():
             used[nodes] = True
-        point_data = {name: values[used] for name, values in _attributes(data, "POINT").items()}
+        point_data = {name: values[used] for name, values in attributes(data, "POINT").items()}
     number = np.cumsum(used) - 1
     vertices = np.flatnonzero(used)
     cells = {kind: number[nodes] for kind, nodes in cells.items() if len(nodes)}
@@ -167,7 +168,7 @@ def _lines(data: Any, selection: bool) -> tuple[dict[str, np.ndarray], dict[str,
         corner_edge = corner_edge[np.repeat(chosen, array(data.polygons, "loop_total", np.int32))]
     keep &= np.bincount(corner_edge, minlength=len(data.edges)) < 2
     nodes = array(data.edges, "vertices", np.int32, 2)[keep]
-    return {"line": nodes}, {name: values[keep] for name, values in _attributes(data, "EDGE").items()}
+    return {"line": nodes}, {name: values[keep] for name, values in attributes(data, "EDGE").items()}
 
 
 def _no_lines(ob: Any, data: Any) -> str:
@@ -188,7 +189,7 @@ def _faces(data: Any, quads: bool) -> tuple[dict[str, np.ndarray], dict[str, np.
     left = ~np.isin(owner, whole)
     cells = {"triangle": triangles[left], "quad": corners[start[whole][:, None] + np.arange(4)]}
     faces = np.concatenate([owner[left], whole])
-    return cells, {name: values[faces] for name, values in _attributes(data, "FACE").items()}, faces
+    return cells, {name: values[faces] for name, values in attributes(data, "FACE").items()}, faces
 
 
 def array(collection: Any, name: str, dtype: Any, width: int = 1) -> np.ndarray:
@@ -198,12 +199,7 @@ def array(collection: Any, name: str, dtype: Any, width: int = 1) -> np.ndarray:
     return flat if width == 1 else flat.reshape(-1, width)
 
 
-def point_data(data: Any) -> dict[str, np.ndarray]:
-    """The data of all vertices."""
-    return _attributes(data, "POINT")
-
-
-def _attributes(data: Any, domain: str) -> dict[str, np.ndarray]:
+def attributes(data: Any, domain: str) -> dict[str, np.ndarray]:
     """The data of one domain: what the user or meshcore put there."""
     found = {}
     for attribute in data.attributes:
@@ -212,7 +208,8 @@ def _attributes(data: Any, domain: str) -> dict[str, np.ndarray]:
             name, dtype, width = _READ[attribute.data_type]
             values = array(attribute.data, name, dtype, width)
             # meshcore computes with 64 bits; arithmetic on 32 would lose what digits there are.
-            found[attribute.name] = values.astype(float) if dtype is np.float32 else values
+            plain = attribute.name.removesuffix(f".{domain.lower()}")
+            found[plain] = values.astype(float) if dtype is np.float32 else values
     return found
 
 
@@ -304,9 +301,8 @@ def add_data(data: Any, domain: str, arrays: dict[str, np.ndarray]) -> list[str]
         if kind is None or name in _OWN or name.startswith("."):
             warnings.append(f"data {name!r} ({values.dtype}, shape {values.shape}) cannot be kept in Blender")
             continue
-        if old := data.attributes.get(name):
-            data.attributes.remove(old)
-        attribute = data.attributes.new(name, kind, domain)
+        taken = data.attributes.get(name)
+        attribute = data.attributes.new(f"{name}.{domain.lower()}" if taken else name, kind, domain)
         item, dtype, _ = _READ[kind]
         attribute.data.foreach_set(item, np.ascontiguousarray(values, dtype).ravel())
     return warnings

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 
 from . import properties, volume
-from .convert import ReadingFailed, array, repair_selection
+from .convert import ReadingFailed, array, attributes, repair_selection
 
 _ELEMENTS = ("vertices", "edges", "polygons")
 
@@ -104,7 +104,7 @@ def face_values(ob: Any, measure: str) -> np.ndarray:
         raise ReadingFailed(f"{ob.name} has no faces")
     matrix = np.array(ob.matrix_world)
     if (kept := volume.stored(data)) is not None:
-        owner = array(data.attributes[volume.OWNER].data, "value", np.int32)
+        owner = attributes(data, "FACE")[volume.OWNER]
         return quality.measure(kept.transformed(matrix), measure)[owner]
     total = array(data.polygons, "loop_total", np.int32)
     start = array(data.polygons, "loop_start", np.int32)

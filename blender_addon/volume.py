@@ -60,7 +60,7 @@ def stored(data: Any) -> Mesh | None:
     n = sum(map(len, cells.values()))
     cell_data = {name: _shaped(np.array(flat), n) for name, flat in data[CELL_DATA].items()}
     points = convert.array(data.vertices, "co", np.float32, 3).astype(float)
-    return Mesh(points, cells, point_data=convert.point_data(data), cell_data=cell_data)
+    return Mesh(points, cells, point_data=convert.attributes(data, "POINT"), cell_data=cell_data)
 
 
 def _shaped(flat: np.ndarray, n: int) -> np.ndarray:

@@ -67,16 +67,21 @@ def test_lines_with_tags(core, there_and_back):
     np.testing.assert_array_equal(back.point_data["size"], mesh.point_data["size"])
 
 
-def test_lines_beside_faces_keep_their_data(core, convert):
+def test_one_name_on_points_lines_and_faces(core, convert, there_and_back):
     mesh = core.Mesh(
         [[0, 0], [1, 0], [1, 1], [2, 2]],
         {"line": [[2, 3], [1, 0]], "triangle": [[0, 1, 2]]},
         cell_data={"tag": np.array([5, 6, 7])},
+        point_data={"tag": np.array([0.5, 1.5, 2.5, 3.5])},
     )
-    data, _ = convert.write("mixed", mesh, np.zeros(3))
-    tags = {tuple(sorted(e.vertices)): data.attributes["tag"].data[e.index].value for e in data.edges if e.index >= 0}
-    assert data.attributes["tag"].domain in ("EDGE", "FACE")
-    assert (tags.get((2, 3)), tags.get((0, 1))) == (5, 6) or data.attributes["tag"].data[0].value == 7
+    back, ob, warnings = there_and_back(mesh, "triangle")
+    assert warnings == []
+    assert back.cell_data["tag"].tolist() == [7]
+    assert back.point_data["tag"].tolist() == [0.5, 1.5, 2.5]
+    edges = {tuple(sorted(edge.vertices)): edge.index for edge in ob.data.edges}
+    tags = scene.values(ob, "tag.edge")
+    assert (tags[edges[2, 3]], tags[edges[0, 1]]) == (5, 6)
+    assert convert.read(bpy.context, ob, ("line",)).mesh.cell_data["tag"].max() == 6
 
 
 def test_data_that_blender_cannot_hold_are_named(core, there_and_back):
