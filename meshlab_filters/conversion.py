@@ -6,7 +6,9 @@ polygon, and polylines of edges. A volume is shown as two layers, its boundary a
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -167,14 +169,15 @@ class Layer(NamedTuple):
     ----------
     label : str
         Its label.
-    mesh : pymeshlab.Mesh
-        Its geometry and face scalars.
+    mesh : pymeshlab.Mesh or bytes
+        Its geometry and face scalars; polygons as a PLY file.
     face_data, vertex_data : dict of str to array
-        Custom attributes, attached once the layer is in the MeshSet, see `_add_safely`.
+        Custom attributes. They are attached once the layer is in the MeshSet: `add_mesh` copies a mesh, but the
+        copies of its attributes point to memory that is freed with the original.
     """
 
     label: str
-    mesh: pymeshlab.Mesh
+    mesh: pymeshlab.Mesh | bytes
     face_data: dict[str, np.ndarray]
     vertex_data: dict[str, np.ndarray]
 
@@ -195,7 +198,7 @@ def add(ms: pymeshlab.MeshSet, result: Mesh | StructuredGrid | MultiBlock, label
     """
     ids = []
     for layer in layers(result, label, measure):
-        added = _add_safely(ms, layer)
+        added = _added(ms, layer)
         ids.append(added.id())
         for name, array in layer.face_data.items():
             _attach(added.add_face_custom_scalar_attribute, added.add_face_custom_point_attribute, name, array)
@@ -205,23 +208,41 @@ def add(ms: pymeshlab.MeshSet, result: Mesh | StructuredGrid | MultiBlock, label
     return ids
 
 
-def _add_safely(ms: pymeshlab.MeshSet, layer: Layer) -> pymeshlab.Mesh:
-    """Add a layer without custom attributes, and return it.
-
-    ``add_mesh`` copies a mesh, but the copies of its custom attributes point to memory that is freed, and MeshLab's
-    function filters, which read all attributes, crash on them (pymeshlab 2025.7). A mesh of polygons is born with
-    one, ``poly_birth_faces``; MeshLab's own copy of a layer leaves it out.
-    """
-    ms.add_mesh(layer.mesh, layer.label, set_as_current=True)
-    first = ms.current_mesh_id()
-    if layer.mesh.face_number() > len(layer.mesh.polygonal_face_list()):
-        ms.generate_copy_of_current_mesh()
-        copy = ms.current_mesh_id()
-        ms.set_current_mesh(first)
-        ms.delete_current_mesh()
-        ms.set_current_mesh(copy)
+def _added(ms: pymeshlab.MeshSet, layer: Layer) -> pymeshlab.Mesh:
+    """Add a layer without its attributes, and return it."""
+    if isinstance(layer.mesh, bytes):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "layer.ply"
+            path.write_bytes(layer.mesh)
+            ms.load_new_mesh(str(path))
         ms.current_mesh().set_label(layer.label)
+    else:
+        ms.add_mesh(layer.mesh, layer.label, set_as_current=True)
     return ms.current_mesh()
+
+
+def _ply(points: np.ndarray, polygons: list[np.ndarray], scalars: np.ndarray | None) -> bytes:
+    """Polygons as a PLY file, which MeshLab reads with hidden edges and in double precision.
+
+    pymeshlab's constructor of polygons is no way in: its layers have an attribute ``poly_birth_faces`` that points to
+    memory which `add_mesh` frees, and MeshLab's function filters, which read all attributes, crash (2025.7).
+    """
+    quality_line = "" if scalars is None else "property double quality\n"
+    header = (
+        f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n"
+        "property double x\nproperty double y\nproperty double z\n"
+        f"element face {sum(map(len, polygons))}\nproperty list uchar int vertex_indices\n{quality_line}end_header\n"
+    )
+    parts, start = [header.encode(), points.astype("<f8").tobytes()], 0
+    for cells in polygons:
+        fields = [("count", "u1"), ("nodes", "<i4", (cells.shape[1],))]
+        rows = np.zeros(len(cells), fields if scalars is None else [*fields, ("quality", "<f8")])
+        rows["count"], rows["nodes"] = cells.shape[1], cells
+        if scalars is not None:
+            rows["quality"] = scalars[start : start + len(cells)]
+        start += len(cells)
+        parts.append(rows.tobytes())
+    return b"".join(parts)
 
 
 def layers(result: Mesh | StructuredGrid | MultiBlock, label: str, measure: str) -> Iterator[Layer]:
@@ -263,17 +284,16 @@ def layers(result: Mesh | StructuredGrid | MultiBlock, label: str, measure: str)
 
 def _surface(label: str, surface: Mesh, cell: np.ndarray, values: np.ndarray, data: dict[str, np.ndarray]) -> Layer:
     """Faces as a layer; ``cell`` is the number of each face's cell, ``values`` and ``data`` are by these numbers."""
-    scalars = values[cell]
-    use = {} if np.isnan(scalars).all() else {"f_scalar_array": np.nan_to_num(scalars, posinf=1e30, neginf=-1e30)}
-    corners = {k: c[:, : len(CELL_TYPES[k].edges)] for k, c in surface.cells.items()}
-    if all(c.shape[1] == 3 for c in corners.values()):
-        triangles = np.concatenate(list(corners.values())).astype(np.int32)
-        layer = pymeshlab.Mesh(vertex_matrix=surface.points, face_matrix=triangles, **use)
-        face = np.arange(len(triangles))
+    scalars = None if np.isnan(values[cell]).all() else np.nan_to_num(values[cell], posinf=1e30, neginf=-1e30)
+    polygons = [c[:, : len(CELL_TYPES[k].edges)] for k, c in surface.cells.items() if len(c)]
+    if any(c.shape[1] > 3 for c in polygons):
+        layer = _ply(surface.points, polygons, scalars)
     else:
-        polygons = [face for c in corners.values() for face in c.astype(np.uint32)]
-        layer = pymeshlab.Mesh(surface.points, polygons, **use)
-        face = layer.face_custom_scalar_attribute_array("poly_birth_faces").astype(np.int64)
+        use = {} if scalars is None else {"f_scalar_array": scalars}
+        triangles = np.concatenate(polygons).astype(np.int32)
+        layer = pymeshlab.Mesh(vertex_matrix=surface.points, face_matrix=triangles, **use)
+    # MeshLab shows n corners by n - 2 triangles, one after the other.
+    face = np.repeat(np.arange(len(cell)), np.concatenate([np.full(len(c), c.shape[1] - 2) for c in polygons]))
     face_data = {name: array[cell][face] for name, array in data.items() if name != CELL}
     return Layer(label, layer, {CELL: cell[face], **face_data}, surface.point_data)
 

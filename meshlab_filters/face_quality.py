@@ -55,7 +55,8 @@ def compute_quality_per_face(ms: pymeshlab.MeshSet, *, measure: str = "scaled_ja
     ms : pymeshlab.MeshSet
         Its current layer is measured; faces of one polygon get the polygon's value.
     measure : str
-        One of ``meshcore.quality.measures()``. Faces of a kind without it get 0, infinite values 1e30.
+        One of ``meshcore.quality.measures()``. Faces of a kind without it get 0, infinite values 1e30; MeshLab keeps
+        what its own filters compute in single precision.
 
     Returns
     -------

@@ -134,5 +134,6 @@ def apply_script(ms: pymeshlab.MeshSet, path: str | os.PathLike[str]) -> int:
         ms.apply_filter_script()
     except pymeshlab.PyMeshLabException as error:
         reason = next(iter(str(error).strip().splitlines()), "failed")
-        raise pymeshlab.PyMeshLabException(f"script: {path.name}: {reason}") from error
+        hint = "a script can name MeshLab's own filters only, as its menus do"
+        raise pymeshlab.PyMeshLabException(f"script: {path.name}: {reason} ({hint})") from error
     return count

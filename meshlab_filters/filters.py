@@ -192,7 +192,8 @@ def _input(layer: pymeshlab.Mesh, port: Port, attributes: Any) -> meshcore.Mesh:
 def add_layers(ms: pymeshlab.MeshSet, mesh: Any, report: Any, label: str, measure: str) -> FilterResult:
     """Add the layers that show a result, the first of them current, and tell its numbers."""
     ids = conversion.add(ms, mesh, label, measure)
-    result = FilterResult(layer=ids[0], layers=len(ids), **report.counts, **report.quality)
+    result = FilterResult({**report.counts, **report.quality})
+    result.update(layer=ids[0], added_layers=len(ids))
     result.update(converged=int(report.converged), warnings=len(report.warnings), seconds=report.seconds)
     result.mesh, result.report = mesh, report
     return result
