@@ -60,7 +60,9 @@ def run(folder: str | os.PathLike, progress: Progress = silent, *, airfoil: str 
 
     Examples
     --------
-    >>> print(run("out/demo"))  # doctest: +SKIP
+    On the command line, ``meshcore demo out/demo``; in Python::
+
+        print(run("out/demo"))
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
@@ -149,16 +151,16 @@ def shock(points: np.ndarray) -> np.ndarray:
     Returns
     -------
     (n,) float
-        From -1 ahead of the front to 1 behind it; the front widens below the section and far above it.
+        Negative ahead of the front, positive behind it, and fading away from it to zero.
 
     Examples
     --------
-    >>> shock(np.array([[0.1, 0.2, 0.0], [0.9, 0.2, 0.0]])).round(2)
-    array([-1.,  1.])
+    >>> shock(np.array([[0.54, 0.1, 0.0], [0.59, 0.1, 0.0]])).round(2)
+    array([-0.96,  0.98])
     """
     x, y = points[:, 0], points[:, 1]
-    width = 0.01 + 40 * np.minimum(y, 0) ** 2 + 3 * np.maximum(y - 0.4, 0) ** 2
-    return np.tanh((x - 0.55 - 0.15 * y) / width)
+    strength = np.exp(-((x - 0.6) ** 2 + (y - 0.1) ** 2) / 0.35**2) * 0.5 * (1 + np.tanh(y / 0.03))
+    return strength * np.tanh((x - 0.55 - 0.15 * y) / 0.01)
 
 
 def adapted(mesh: Mesh, *, levels: int = 3, progress: Progress = silent) -> Result:
@@ -231,8 +233,8 @@ def comparison(meshes: dict[str, Mesh | StructuredGrid]) -> str:
 
     Examples
     --------
-    >>> print(comparison({"square": gallery.triangulated_square(2)}).splitlines()[1])
-    points                           9
+    >>> comparison({"square": gallery.triangulated_square(2)}).splitlines()[1].split()
+    ['points', '9']
     """
     columns = {
         name: {"points": mesh.n_points, "cells": mesh.n_cells, **quality.summary(mesh)} for name, mesh in meshes.items()
