@@ -1,4 +1,7 @@
-"""Pages that are written rather than kept: operations from the registry, the gallery from the examples."""
+"""Pages that are written rather than kept: operations from the registry, the gallery from the examples.
+
+``python docs/generate.py`` draws the pictures of the README anew, which are kept.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,10 @@ import runpy
 from pathlib import Path
 
 import meshcore
+from meshcore import demo
+from meshcore import gallery as models
 from meshcore.operation import Operation, Param
+from meshcore.picture import picture
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 
@@ -94,8 +100,8 @@ def gallery_page(folder: Path) -> str:
         pictures = folder / script.stem
         runpy.run_path(str(script))["main"](pictures)
         parts += [heading(title, "-"), text, ""]
-        for picture in sorted(pictures.glob("*.png")):
-            parts.append(f".. image:: {script.stem}/{picture.name}\n   :width: 100%\n   :alt: {title}\n")
+        for drawn in sorted(pictures.glob("*.png")):
+            parts.append(f".. image:: {script.stem}/{drawn.name}\n   :width: 100%\n   :alt: {title}\n")
         parts.append(f".. literalinclude:: ../../examples/{script.name}\n   :language: python\n")
     return "\n".join(parts)
 
@@ -104,3 +110,17 @@ def _docstring(script: Path) -> tuple[str, str]:
     """Title and text of a script's docstring."""
     title, _, text = (ast.get_docstring(ast.parse(script.read_text())) or script.stem).partition("\n")
     return title.rstrip("."), text.strip() + "\n"
+
+
+def write_readme_pictures(folder: Path) -> None:
+    """The three meshes of the demo, small, for the README."""
+    section = models.airfoil("rae2822")
+    triangles = demo.triangulation(section).mesh
+    near, size = ((-0.2, -0.45), (1.2, 0.6)), (640, 480)
+    picture(triangles, folder / "triangles.png", zoom=near, window=size)
+    picture(demo.block(section, cells=160).mesh, folder / "o_grid.png", zoom=near, window=size)
+    picture(demo.adapted(triangles).mesh, folder / "adapted.png", scalars="shock", zoom=near, window=size)
+
+
+if __name__ == "__main__":
+    write_readme_pictures(Path(__file__).parent / "pictures")

@@ -59,13 +59,13 @@ def transfinite(
 
     ::
 
-              north
-        NW ----------> NE
-         ^             ^
-    west |   j         | east
-         |   +-> i     |
-        SW ----------> SE
-              south
+                  north
+            NW ----------> NE
+             ^             ^
+        west |   j         | east
+             |   +-> i     |
+            SW ----------> SE
+                  south
 
     Parameters
     ----------
