@@ -176,17 +176,20 @@ def faces_of_points(mesh: ConstrainedTriangulation, points: np.ndarray, paramete
     xy = mesh.triangulation.xy.reshape(-1, 2)
     a, b, c = (xy[corners[:, k]] for k in range(3))
     low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+    flags = mesh.triangulation.origin[3::4][slots]
     found = np.zeros(len(points), np.int64)
     for k, p in enumerate(np.ldexp(points, mesh.exponent)):
         near = np.flatnonzero(((low <= p) & (high >= p)).all(axis=1))
-        inside = [predicates.orient2d(u[near], v[near], p) >= 0 for u, v in ((a, b), (b, c), (c, a))]
-        faces = np.unique(mesh.face[slots[near[np.logical_and.reduce(inside)]]])
-        if len(faces) > 1:
+        sides = np.column_stack([predicates.orient2d(u[near], v[near], p) for u, v in ((a, b), (b, c), (c, a))])
+        inside = (sides >= 0).all(axis=1)
+        on_line = (sides == 0) & (flags[near, None] >> np.arange(3) & 1).astype(bool)
+        if on_line[inside].any():
             raise InvalidGeometry(
-                f"point {k} at ({points[k, 0]:.6g}, {points[k, 1]:.6g}) lies on a line between two faces; move it off",
+                f"point {k} at ({points[k, 0]:.6g}, {points[k, 1]:.6g}) lies on a line, so on no side of it; move it",
                 parameter=parameter,
             )
-        found[k] = faces[0] if len(faces) else 0
+        if inside.any():
+            found[k] = mesh.face[slots[near[inside][0]]]
     return found
 
 

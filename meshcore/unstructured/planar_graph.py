@@ -17,6 +17,8 @@ from ..geometry import predicates
 # one point on it to the next makes headway.
 SAME_POINT = 2.0**-47
 ON_SEGMENT = 2.0**-49
+# Beyond these, areas and products of them would over- or underflow.
+_LARGEST, _SMALLEST = 1e75, 1e-75
 
 
 @dataclass
@@ -61,6 +63,12 @@ def planar_graph(points: np.ndarray, lines: np.ndarray, vertices: np.ndarray, pa
     if not len(lines):
         raise InvalidGeometry("has no line cells; give closed loops of lines", parameter=parameter)
     used = np.unique(np.concatenate([lines.ravel(), vertices]))
+    largest = float(np.abs(points[used]).max())
+    if not (_SMALLEST < largest < _LARGEST or largest == 0):
+        raise InvalidGeometry(
+            f"has coordinates up to {largest:.3g}; scale them to between {_SMALLEST:g} and {_LARGEST:g}",
+            parameter=parameter,
+        )
     same = _merged(points[used])
     source = used[np.unique(same)]  # the first of each group
     number = np.searchsorted(source, used[same])

@@ -116,12 +116,12 @@ def delaunay_refinement(
     plane = fitted_plane(boundary.points[used], parameter="boundary")
     graph = planar_graph(plane.to_plane(boundary.points), lines, vertices, "boundary")
     graph.line = _line_cells(boundary)[graph.line]
+    diagonal = float(np.linalg.norm(np.ptp(boundary.points[used], axis=0)))
     marks = seeds(boundary, holes, regions, plane)
     mesh = constrained(
         graph, split_crossings=crossings == "split", parameter="boundary", progress=part_of(progress, 0.0, 0.2)
     )
     parts = domain(mesh, marks, np.inf if max_area is None else max_area)
-    diagonal = float(np.linalg.norm(np.ptp(boundary.points[used], axis=0)))
     refiner = Refiner(
         mesh,
         parts,

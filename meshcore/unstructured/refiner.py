@@ -256,8 +256,11 @@ def too_many(estimate: float, parameter: str) -> InvalidInput:
 
 
 def _lens(min_angle: float) -> float:
-    """Squared cosine of the angle under which a point encroaches (Shewchuk 2002, section 3.4: diametral lenses)."""
-    return float(np.cos(np.radians(2 * (min_angle or 20.0))) ** 2)
+    """Squared cosine of the angle under which a point encroaches (Shewchuk 2002, section 3.4: diametral lenses).
+
+    Without a smallest angle nothing does: the value is one that no cosine reaches.
+    """
+    return float(np.cos(np.radians(2 * min_angle)) ** 2) if min_angle > 0 else 2.0
 
 
 def _off_centre(min_angle: float) -> float:
