@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 
 import pytest
@@ -9,7 +10,7 @@ import pytest
 import meshcore as mc
 from meshcore import install
 from meshcore.cli import main
-from meshcore.install import doctor, places
+from meshcore.install import places
 
 
 @pytest.fixture
@@ -55,7 +56,7 @@ def test_whatever_breaks_is_a_finding(no_hosts, monkeypatch):
     def broken():
         raise SystemError("llvmlite is built for another Python")
 
-    monkeypatch.setattr(doctor, "_compiles", broken)
+    monkeypatch.setattr(importlib.import_module("meshcore.install.doctor"), "_compiles", broken)
     found = by_check(install.doctor(), "meshcore")["kernels"]
     assert found.state == "fails" and found.detail.startswith("llvmlite is built for another Python; reinstall numba")
 
