@@ -8,10 +8,11 @@ import numpy as np
 
 from ..errors import InvalidGeometry, InvalidInput
 from ..geometry.curves import Curve, chains, is_closed, polyline
+from ..geometry.plane import fitted_plane
 from ..mesh import Mesh, StructuredGrid
 from ..operation import Length, Param, Port, Relative, absolute, operation
 from ..progress import Progress, advance, silent
-from ..quality import validate
+from ..quality import summary, validate
 from ..report import Report, Result
 from ..sizing import cells_for_growth, geometric
 from ..sizing.around_loop import respaced_loop, turning
@@ -109,13 +110,14 @@ def o_grid(
     >>> grid, grid.names["jmin"]
     (StructuredGrid(25 x 9 points), 'wall')
     """
-    loop, diagonal, place, warnings = _loop(section, cut)
+    loop, diagonal, plane, warnings = _loop(section, cut)
     if around is not None:
         loop = respaced_loop(loop, around)
     height = absolute(first_height, diagonal)
     points, ratio = _wrapped(loop, radius, height, growth, layers, progress)
     flat = points[::-1]  # clockwise, so that i, j are right-handed
-    grid = StructuredGrid(place(flat), names={"jmin": "wall", "jmax": "far field"}, periodic=(True, False, False))
+    spatial = plane.to_space(flat.reshape(-1, 2)).reshape(*flat.shape[:2], 3)
+    grid = StructuredGrid(spatial, names={"jmin": "wall", "jmax": "far field"}, periodic=(True, False, False))
     advance(progress, 0.9, "checking the grid")
     refuse_folds(grid, _CURE)
     validate(grid)
@@ -125,11 +127,11 @@ def o_grid(
         "around": grid.cell_shape[0],
         "layers": grid.cell_shape[1],
     }
-    return Result(grid, Report(counts=counts, quality={"largest growth": ratio}, warnings=warnings))
+    return Result(grid, Report(counts=counts, quality={**summary(grid), "largest growth": ratio}, warnings=warnings))
 
 
 def _loop(curve: Curve, cut: int):
-    """(n, 2) points of the section counter-clockwise from its cut, its diagonal, the way into space, and warnings."""
+    """(n, 2) points of the section counter-clockwise from its cut, its diagonal, its plane, and warnings."""
     points = polyline(curve, "section")
     if not is_closed(points):
         raise InvalidGeometry("is open; close the loop", parameter="section", points=(0, len(points) - 1))
@@ -143,9 +145,14 @@ def _loop(curve: Curve, cut: int):
     points, number = points[fresh], number[fresh]
     if len(points) < 3:
         raise InvalidGeometry(f"needs at least three different points, got {len(points)}", parameter="section")
-    loop, place = _flattened(points)
-    x, y = loop.T
-    if (x * np.roll(y, -1) - y * np.roll(x, -1)).sum() < 0:
+    plane = fitted_plane(points, parameter="section")
+    loop = plane.to_plane(points)
+    x, y = (loop - loop[0]).T
+    double_area = float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum())
+    diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
+    if abs(double_area) <= 1e-12 * diagonal**2:
+        raise InvalidGeometry(f"encloses no area (extent {diagonal:.6g}); give a simple loop", parameter="section")
+    if double_area < 0:
         loop, number = loop[::-1], number[::-1]
     if cut == -1:
         start = int(np.argmax(turning(loop)))
@@ -153,32 +160,7 @@ def _loop(curve: Curve, cut: int):
         start = int(np.flatnonzero(number == cut)[0])
     else:
         raise InvalidInput(f"{cut} is no point of the section; -1 finds the sharpest", parameter="cut")
-    return np.roll(loop, -start, axis=0), float(np.linalg.norm(np.ptp(points, axis=0))), place, warnings
-
-
-def _flattened(points: np.ndarray):
-    """(n, 2) points in their own plane, and the way back; a plane of constant z is seen from above."""
-    centre = points.mean(axis=0)
-    extent = float(np.linalg.norm(np.ptp(points, axis=0)))
-    area = 0.5 * np.cross(points - centre, np.roll(points - centre, -1, axis=0)).sum(axis=0)
-    size = float(np.linalg.norm(area))
-    if size <= 1e-12 * extent**2:
-        raise InvalidGeometry(f"encloses no area (extent {extent:.6g}); give a simple loop", parameter="section")
-    level = points[0, 2]
-    if (points[:, 2] == level).all():
-        return points[:, :2], lambda flat: np.concatenate([flat, np.full((*flat.shape[:-1], 1), level)], axis=-1)
-    normal = area / size
-    deviation = np.abs((points - centre) @ normal)
-    if deviation.max() > 1e-6 * extent:
-        raise InvalidGeometry(
-            f"is not in a plane: point {np.argmax(deviation)} is {deviation.max():.6g} off; flatten it",
-            parameter="section",
-            points=np.flatnonzero(deviation > 1e-6 * extent),
-        )
-    frame = np.linalg.svd(np.eye(3) - np.outer(normal, normal))[0][:, :2].T
-    if np.cross(*frame) @ normal < 0:
-        frame = frame[::-1]
-    return (points - centre) @ frame.T, lambda flat: centre + flat @ frame
+    return np.roll(loop, -start, axis=0), diagonal, plane, warnings
 
 
 def _chord(loop: np.ndarray) -> tuple[float, np.ndarray]:

@@ -11,7 +11,7 @@ from ..geometry.curves import Curve, arc_length, chains, is_closed, polyline, re
 from ..mesh import Mesh, StructuredGrid
 from ..operation import Length, Param, Port, Relative, absolute, operation
 from ..progress import Progress, advance, silent
-from ..quality import validate
+from ..quality import summary, validate
 from ..report import Report, Result
 from ..sizing import hyperbolic_tangent
 from .folds import refuse_folds
@@ -130,7 +130,7 @@ def transfinite(
     refuse_folds(grid, _CURE)
     validate(grid)
     counts = {"points": grid.n_points, "quads": grid.n_cells}
-    return Result(grid, Report(counts=counts))
+    return Result(grid, Report(counts=counts, quality=summary(grid)))
 
 
 def interpolated(

@@ -109,6 +109,13 @@ def test_a_section_in_a_tilted_plane_is_gridded_in_that_plane():
     assert min(np.abs(back - flat.points).max(), np.abs(back[::-1] - flat.points).max()) < 1e-6
 
 
+@pytest.mark.parametrize("axes", [[0, 2, 1], [1, 2, 0], [2, 0, 1]])
+def test_a_section_in_a_plane_of_coordinates_keeps_its_points_to_the_bit(axes):
+    loop = polyline(gallery.airfoil("rae2822"))[:, axes] + [0.0, 0.0, 0.0]
+    grid, _ = mc.o_grid(loop)
+    assert {tuple(p) for p in grid.points[:, 0, 0]} == {tuple(p) for p in loop}
+
+
 def test_a_mesh_in_any_order_and_a_chosen_cut():
     loop = gallery.circle(24)
     order = np.random.default_rng(3).permutation(24)
@@ -145,7 +152,7 @@ CIRCLE = polyline(gallery.circle(12))
         (np.array([[0, 0], [1, 0], [2, 0], [0, 0.0]]), {}, InvalidGeometry, "no area"),
         (np.array([[0, 0], [1, 0], [0, 0], [1, 0], [0, 0.0]]), {}, InvalidGeometry, "no area"),
         (np.array([[0, 0], [1, np.nan], [1, 1], [0, 0.0]]), {}, InvalidGeometry, "finite"),
-        (CIRCLE + 0.1 * CIRCLE[:, [2, 2, 0]] ** 2, {}, InvalidGeometry, "plane"),
+        (CIRCLE + 0.1 * CIRCLE[:, [2, 2, 0]] ** 2, {}, InvalidGeometry, "planar"),
         (gallery.joined(gallery.circle(12), gallery.circle(6)), {}, InvalidGeometry, "one chain"),
         (bay(), {}, GenerationFailed, "folded"),
         (np.array([[0, 0], [2, 2], [2, 0], [0, 1.5], [0, 0]]), {}, GenerationFailed, "folded"),
