@@ -93,10 +93,10 @@ def read(context: Any, ob: Any, kinds: Sequence[str]) -> Source:
 
     from . import volume
 
-    stored = volume.stored(ob.data) if ob.type == "MESH" else None
-    if stored is not None and (not kinds or set(stored.cells) <= set(kinds)):
-        matrix = np.array(ob.matrix_world)
-        return Source(stored.transformed(matrix), ob.name, np.arange(stored.n_points))
+    kept = volume.kinds(ob.data)
+    if kept and (not kinds or kept <= set(kinds)):
+        stored = volume.stored(ob.data).transformed(np.array(ob.matrix_world))
+        return Source(stored, ob.name, np.arange(stored.n_points))
     lines_only = bool(kinds) and set(kinds) <= {"line"}
     with _geometry(context, ob, lines_only) as (data, matrix, selection):
         faces = None

@@ -36,6 +36,11 @@ def _storable(values: np.ndarray) -> np.ndarray:
     return values.astype(np.float64 if values.dtype.kind == "f" else np.int32)
 
 
+def kinds(data: Any) -> set[str]:
+    """Kinds of the volume cells kept in a Blender mesh; none if it keeps none."""
+    return set(data[CELLS].keys()) if CELLS in data else set()
+
+
 def stored(data: Any) -> Mesh | None:
     """The volume mesh kept in a Blender mesh, in its local coordinates; None without one.
 

@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -24,10 +25,11 @@ def python_version() -> str:
 
 
 @pytest.fixture(scope="session")
-def zip_path(root: Path, python_version: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def zip_path(root: Path, python_version: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """The extension for this Python, built by a Python that has meshcore, or taken from MESHCORE_BLENDER_ZIP."""
     if ZIP in os.environ:
-        return Path(os.environ[ZIP])
+        yield Path(os.environ[ZIP])
+        return
     folder = tmp_path_factory.mktemp("zip")
     core = root / ".venv/bin/python"
     command = [str(core if core.exists() else sys.executable), str(root / "blender_addon/build.py")]
@@ -36,7 +38,8 @@ def zip_path(root: Path, python_version: str, tmp_path_factory: pytest.TempPathF
         [*command, "--python", python_version, str(folder)], env=environment, capture_output=True, text=True
     )
     assert done.returncode == 0, done.stderr
-    return next(folder.glob("*.zip"))
+    yield next(folder.glob("*.zip"))
+    shutil.rmtree(folder)  # a hundred megabytes
 
 
 @pytest.fixture(scope="session", autouse=True)

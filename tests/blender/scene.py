@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from typing import Any
 
 import bpy
@@ -87,6 +88,11 @@ def active() -> Any:
 def operator(identifier: str) -> Any:
     """The operator of an operation."""
     return getattr(bpy.ops.meshcore, identifier)
+
+
+def addon(module: str) -> Any:
+    """A module of the installed extension."""
+    return importlib.import_module(f"bl_ext.user_default.meshcore.{module}")
 
 
 def names() -> set[str]:

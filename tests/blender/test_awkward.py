@@ -177,7 +177,7 @@ def test_thousands_of_edges(installed):
 
 def test_what_nobody_foresaw_is_reported_with_its_place_in_the_console(installed, monkeypatch, capfd):
     scene.add_mesh("square", SQUARE, LOOP)
-    inputs = __import__("bl_ext.user_default.meshcore.inputs", fromlist=["gather"])
+    inputs = scene.addon("inputs")
 
     def broken(context, declaration):
         raise ZeroDivisionError("a fault of ours")

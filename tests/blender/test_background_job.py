@@ -54,7 +54,7 @@ class Context:
 @pytest.fixture
 def operators(installed):
     """The add-on's operators."""
-    return __import__("bl_ext.user_default.meshcore.operators", fromlist=["OperationBase"])
+    return scene.addon("operators")
 
 
 @pytest.fixture
@@ -84,7 +84,7 @@ def job(operators, core, monkeypatch):
 
 def stand_in(operators, identifier="transfinite", **values):
     """An operator's instance as `OperationBase` needs it."""
-    registry = __import__("bl_ext.user_default.meshcore.properties", fromlist=["registry"]).registry()
+    registry = scene.addon("properties").registry()
     declaration = registry["operations"][identifier]
     rna = scene.operator(identifier).get_rna_type().properties
     shown = {}
@@ -254,7 +254,7 @@ def test_hand_written_operator_takes_the_place_of_the_generated_one(operators, m
             self.report({"WARNING"}, f"ours, with {self.cells_i} cells")
             return {"FINISHED"}
 
-    overrides = __import__("bl_ext.user_default.meshcore.overrides", fromlist=["OVERRIDES"])
+    overrides = scene.addon("overrides")
     monkeypatch.setitem(overrides.OVERRIDES, "transfinite", Ours)
     scene.add_mesh("square", SQUARE, LOOP)
     operators.unregister()

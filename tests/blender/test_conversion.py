@@ -12,7 +12,7 @@ from tests.blender import scene
 @pytest.fixture
 def convert(installed):
     """The add-on's conversion."""
-    return __import__("bl_ext.user_default.meshcore.convert", fromlist=["write"])
+    return scene.addon("convert")
 
 
 @pytest.fixture
@@ -188,6 +188,7 @@ def test_edited_volume_is_refused_not_misread(core, there_and_back, convert):
         convert.read(bpy.context, ob, ("tetra",))
     with pytest.raises(RuntimeError, match="had 8 vertices"):
         bpy.ops.meshcore.cut_view()
+    assert len(convert.read(bpy.context, ob, ("triangle",)).mesh.get("triangle")) == 12  # its surface is still one
 
 
 def test_cut_view_needs_volume_cells(installed):

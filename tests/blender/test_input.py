@@ -19,7 +19,7 @@ LOOP = [(0, 1), (1, 2), (2, 3), (3, 0)]
 @pytest.fixture
 def reader(installed):
     """The add-on's reading, of one object, as lines or faces."""
-    convert = __import__("bl_ext.user_default.meshcore.convert", fromlist=["read"])
+    convert = scene.addon("convert")
     return lambda ob, *kinds: convert.read(bpy.context, ob, kinds)
 
 
@@ -188,7 +188,7 @@ def test_four_sides_in_any_order_of_names(installed, order):
 
 
 def test_all_selected_objects_make_one_boundary(installed):
-    inputs = __import__("bl_ext.user_default.meshcore.inputs", fromlist=["gather"])
+    inputs = scene.addon("inputs")
     outer = scene.add_mesh("outer", SQUARE, LOOP)
     inner = scene.add_mesh("inner", 0.25 * np.array(SQUARE) + 0.3, LOOP, select=False)
     scene.activate(outer, inner)

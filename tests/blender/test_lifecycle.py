@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 
@@ -18,6 +19,7 @@ def seen(root, zip_path, tmp_path_factory):
     environment.pop("PYTHONPATH", None)
     command = [sys.executable, str(root / "tests/blender/lifecycle.py"), str(zip_path)]
     done = subprocess.run(command, env=environment, cwd=home, capture_output=True, text=True, timeout=300)
+    shutil.rmtree(home)  # the unpacked wheels are large
     line = next((one for one in done.stdout.splitlines() if one.startswith("SEEN ")), None)
     assert line, done.stdout[-2000:] + done.stderr[-2000:]
     return json.loads(line[5:])

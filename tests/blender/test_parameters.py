@@ -70,7 +70,7 @@ def test_limits_are_the_registrys_with_zero_for_automatic(identifier, name):
 def test_meshcore_takes_all_that_blender_lets_through(core, identifier, name):
     """Blender clamps silently; what it clamps to must not be refused behind it."""
     declared, here = OPERATIONS[identifier]["params"][name], shown(identifier)[name]
-    properties = __import__("bl_ext.user_default.meshcore.properties", fromlist=["value"])
+    properties = scene.addon("properties")
     param = core.operations()[identifier].params[name]
     for end in (here.hard_min, here.hard_max):
         value = properties.value(declared, [end] * param.size if param.size > 1 else end)
@@ -78,14 +78,14 @@ def test_meshcore_takes_all_that_blender_lets_through(core, identifier, name):
 
 
 def test_numbers_arrive_as_they_were_typed(installed):
-    properties = __import__("bl_ext.user_default.meshcore.properties", fromlist=["value"])
+    properties = scene.addon("properties")
     declared = {"kind": "float", "default": 1.0}
     for typed in (0.1, 20.7, 1e-6, 34.0, 123456.0):
         assert properties.value(declared, float(np.float32(typed))) == typed
 
 
 def test_zero_leaves_an_optional_number_out(installed):
-    properties = __import__("bl_ext.user_default.meshcore.properties", fromlist=["values"])
+    properties = scene.addon("properties")
     params = {
         "size": {"kind": "length", "default": {"relative": 0.1}},
         "count": {"kind": "int", "default": None, "optional": True},

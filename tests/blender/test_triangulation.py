@@ -175,3 +175,23 @@ def test_undo_of_an_error_leaves_nothing_to_undo(installed):
         bpy.ops.meshcore.delaunay_refinement("EXEC_DEFAULT", True)
     bpy.ops.ed.undo()
     assert scene.names() == {"outline"}
+
+
+def test_curve_in_edit_mode(installed):
+    bpy.ops.curve.primitive_bezier_circle_add(radius=1)
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert bpy.ops.meshcore.delaunay_refinement(min_angle=20) == {"FINISHED"}
+    assert area(scene.active()) == pytest.approx(np.pi, rel=5e-3)
+
+
+def test_text(installed):
+    """Letters are outlines with holes; what is filled stays filled."""
+    bpy.ops.object.text_add()
+    text = scene.active()
+    text.data.body = "Ro8"
+    bpy.context.view_layer.update()
+    mesh = text.to_mesh()
+    filled = sum(face.area for face in mesh.polygons)
+    text.to_mesh_clear()
+    assert bpy.ops.meshcore.delaunay_refinement(min_angle=20) == {"FINISHED"}
+    assert area(scene.active()) == pytest.approx(filled, rel=1e-4)

@@ -191,7 +191,7 @@ def test_redo_panel_shows_every_parameter(core):
 
 
 def test_preferences_tell_versions(installed, core):
-    preferences = __import__("bl_ext.user_default.meshcore.preferences", fromlist=["versions"])
+    preferences = scene.addon("preferences")
     cls = preferences.MESHCORE_AP_preferences
     assert "bl_ext.user_default.meshcore" in bpy.context.preferences.addons
     assert bpy.context.preferences.addons["bl_ext.user_default.meshcore"].preferences is not None
@@ -201,7 +201,7 @@ def test_preferences_tell_versions(installed, core):
 
 
 def test_attribute_field_offers_number_attributes(installed):
-    properties = __import__("bl_ext.user_default.meshcore.properties", fromlist=["_attribute_names"])
+    properties = scene.addon("properties")
     ob = scene.add_mesh("tagged", L_SHAPE[:3], faces=[(0, 1, 2)])
     for name, kind, domain in [("heat", "FLOAT", "POINT"), ("load", "FLOAT", "FACE"), ("way", "FLOAT_VECTOR", "POINT")]:
         ob.data.attributes.new(name, kind, domain)
