@@ -9,6 +9,7 @@ import textwrap
 from collections.abc import Callable, Iterator
 from typing import Any
 
+import numpy as np
 import pymeshlab
 
 import meshcore
@@ -54,8 +55,13 @@ def length(value: Any) -> Any:
     (Relative(0.05), 0.2, 0.3)
     """
     if isinstance(value, pymeshlab.PercentageValue):
-        return Relative(value.value() / 100)
-    return value.value() if isinstance(value, pymeshlab.PureValue) else value
+        return Relative(_written(value) / 100)
+    return _written(value) if isinstance(value, pymeshlab.PureValue) else value
+
+
+def _written(value: pymeshlab.PercentageValue | pymeshlab.PureValue) -> float:
+    """The number as it was written: both kinds hold it in single precision."""
+    return float(str(np.float32(value.value())))
 
 
 def _default(param: Param) -> Any:
