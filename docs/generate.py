@@ -6,6 +6,8 @@
 from __future__ import annotations
 
 import ast
+import contextlib
+import io
 import runpy
 from pathlib import Path
 
@@ -98,7 +100,8 @@ def gallery_page(folder: Path) -> str:
     for script in sorted(EXAMPLES.glob("*.py"), key=lambda path: (not path.name.startswith("figure"), path.name)):
         title, text = _docstring(script)
         pictures = folder / script.stem
-        runpy.run_path(str(script))["main"](pictures)
+        with contextlib.redirect_stdout(io.StringIO()):  # some examples print tables
+            runpy.run_path(str(script))["main"](pictures)
         parts += [heading(title, "-"), text, ""]
         for drawn in sorted(pictures.glob("*.png")):
             parts.append(f".. image:: {script.stem}/{drawn.name}\n   :width: 100%\n   :alt: {title}\n")

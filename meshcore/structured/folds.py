@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
@@ -40,13 +42,10 @@ def folded_cells(points: np.ndarray) -> np.ndarray:
     array([[False],
            [ True]])
     """
-    corners, sizes = _corner_normals(points)
     loop = np.concatenate([points[:-1, 0], points[-1, :-1], points[:0:-1, -1], points[0, :0:-1]])
     area = 0.5 * np.cross(loop, np.roll(loop, -1, axis=0)).sum(axis=0)
     normal = _plane_normal(points, area)
-    if normal is not None:
-        return (corners @ normal <= FLAT * sizes).any(axis=0)
-    return _folded_in_space(corners, sizes)
+    return _folded_in_space(points) if normal is None else _folded_in_plane(points, normal)
 
 
 def refuse_folds(grid: StructuredGrid, cure: str) -> None:
@@ -64,13 +63,23 @@ def refuse_folds(grid: StructuredGrid, cure: str) -> None:
     )
 
 
-def _corner_normals(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(4, ni - 1, nj - 1, 3) cross products of the edges at each corner, and the products of their lengths."""
-    a, b, c, d = points[:-1, :-1], points[1:, :-1], points[1:, 1:], points[:-1, 1:]
-    edges = np.stack([b - a, c - b, d - c, a - d])
-    back = -np.roll(edges, 1, axis=0)
-    length = np.linalg.norm(edges, axis=-1)
-    return np.cross(edges, back), length * np.roll(length, 1, axis=0)
+def _corner_edges(points: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """For each of a cell's four corners, the edges to the next and to the previous one."""
+    quad = [points[:-1, :-1], points[1:, :-1], points[1:, 1:], points[:-1, 1:]]
+    edges = [quad[(k + 1) % 4] - quad[k] for k in range(4)]
+    for k in range(4):
+        yield edges[k], -edges[k - 1]
+
+
+def _folded_in_plane(points: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    first = np.cross(np.eye(3)[np.argmin(np.abs(normal))], normal)
+    axes = np.array([first, np.cross(normal, first)]) / np.linalg.norm(first)
+    folded = np.zeros((len(points) - 1, points.shape[1] - 1), bool)
+    for edge, back in _corner_edges((points - points[0, 0]) @ axes.T):
+        cross = edge[..., 0] * back[..., 1] - edge[..., 1] * back[..., 0]
+        size = np.hypot(edge[..., 0], edge[..., 1]) * np.hypot(back[..., 0], back[..., 1])
+        folded |= cross <= FLAT * size
+    return folded
 
 
 def _plane_normal(points: np.ndarray, area: np.ndarray) -> np.ndarray | None:
@@ -85,7 +94,10 @@ def _plane_normal(points: np.ndarray, area: np.ndarray) -> np.ndarray | None:
     return normal if np.abs((points - points[0, 0]) @ normal).max() <= 1e-9 * extent else None
 
 
-def _folded_in_space(corners: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+def _folded_in_space(points: np.ndarray) -> np.ndarray:
+    pairs = list(_corner_edges(points))
+    corners = np.stack([np.cross(edge, back) for edge, back in pairs])
+    sizes = np.stack([np.linalg.norm(edge, axis=-1) * np.linalg.norm(back, axis=-1) for edge, back in pairs])
     normal = corners.sum(axis=0)
     length = np.linalg.norm(normal, axis=-1)
     folded = ((corners * normal).sum(axis=-1) <= FLAT * sizes * length).any(axis=0)
