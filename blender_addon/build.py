@@ -93,6 +93,8 @@ def build(folder: str | Path, *, python: str = "3.11", platform: str = "linux-x6
         raise ValueError(f"no Blender that is supported has Python {python}; known are {', '.join(TARGETS)}")
     if platform not in PLATFORMS:
         raise ValueError(f"platform {platform!r} is not one of {', '.join(PLATFORMS)}")
+    if platform == "macos-x64" and python != "3.11":
+        raise ValueError(f"no Blender with Python {python} runs on macos-x64; Blender 4.5, with 3.11, was the last")
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as scratch:

@@ -92,7 +92,9 @@ def test_every_module_is_in_the_zip(build, root, small_zip):
     assert here - {"build.py"} == set(sources(small_zip))
 
 
-@pytest.mark.parametrize("arguments", [{"python": "3.9"}, {"platform": "amiga"}])
+@pytest.mark.parametrize(
+    "arguments", [{"python": "3.9"}, {"platform": "amiga"}, {"platform": "macos-x64", "python": "3.13"}]
+)
 def test_unknown_target_is_named(build, tmp_path, arguments):
     with pytest.raises(ValueError, match=next(iter(arguments.values()))):
         build.build(tmp_path, **arguments)
