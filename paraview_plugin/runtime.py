@@ -61,17 +61,12 @@ class Algorithm(VTKPythonAlgorithmBase):
     def __init__(self):
         super().__init__(nInputPorts=len(self.ports), nOutputPorts=1, outputType=self.output)
         self.values = {}
-        self.extent = UNKNOWN_EXTENT
-        self.stamp = None
-        self.kept = (None, None)
 
     def set(self, name, *values):
         """Keep a property's value, and run again if it is new."""
         value = values[0] if len(values) == 1 else values
         if name not in self.values or self.values[name] != value:
             self.values[name] = value
-            self.kept = (None, None)
-            self.stamp = None
             self.Modified()
 
     def make(self, inputs):
@@ -89,7 +84,7 @@ class Algorithm(VTKPythonAlgorithmBase):
         info = outInfo.GetInformationObject(0)
         info.Set(vtkAlgorithm.CAN_HANDLE_PIECE_REQUEST(), 1)
         if self.output == "vtkStructuredGrid":
-            put_extent(info, self.extent if self.stamp == self.upstream() else UNKNOWN_EXTENT)
+            put_extent(info, UNKNOWN_EXTENT)  # until the work is done; the old one would cut the new grid off
         return 1
 
     def RequestUpdateExtent(self, request, inInfo, outInfo):
@@ -143,10 +138,6 @@ class Algorithm(VTKPythonAlgorithmBase):
 
         output = info.Get(vtkDataObject.DATA_OBJECT())
         datasets = self.datasets(inInfo)
-        key = {name: (id(dataset), dataset.GetMTime()) for name, dataset in datasets.items()}
-        if self.kept[0] == key:
-            output.ShallowCopy(self.kept[1])
-            return
         inputs = {}
         try:
             for name, cells, _ in self.ports:
@@ -159,27 +150,7 @@ class Algorithm(VTKPythonAlgorithmBase):
         if report is not None:
             fill_report(output, report)
         if self.output == "vtkStructuredGrid":
-            self.announce(output, key, info)
-
-    def announce(self, output, key, info):
-        """Make the extent of a structured result known, and keep the result.
-
-        The pipeline asks for the whole extent before there is a grid. So a new extent is told afterwards, by asking
-        to be run again; that second run finds the grid ready made.
-        """
-        self.kept = (key, output.NewInstance())
-        self.kept[1].ShallowCopy(output)
-        if (self.stamp, self.extent) != (self.upstream(), output.GetExtent()):
-            self.stamp, self.extent = self.upstream(), output.GetExtent()
-            put_extent(info, self.extent)
-            self.Modified()
-
-    def upstream(self):
-        """When anything before this filter was last changed, for each port."""
-        executives = [
-            self.GetInputExecutive(p, 0) for p in range(len(self.ports)) if self.GetNumberOfInputConnections(p)
-        ]
-        return [executive.GetPipelineMTime() for executive in executives]
+            put_extent(info, output.GetExtent())
 
     def datasets(self, inInfo):
         """The connected inputs by the name of their port."""

@@ -54,7 +54,10 @@ def check_every_operation(operation):
 
 
 def check_whole_of_a_distributed_input_is_meshed():
-    assert_all_on_rank_0(pv.meshcoreTransfiniteInterpolation(South=distributed_square(), CellsI=20, CellsJ=20), 400)
+    proxy = pv.meshcoreTransfiniteInterpolation(South=distributed_square(), CellsI=20, CellsJ=20)
+    assert_all_on_rank_0(proxy, 400)
+    bounds = proxy.GetClientSideObject().GetOutputDataObject(0).GetBounds()
+    assert rank() or bounds == (-10, 10, -10, 10, 0, 0), bounds  # not the half that lies on this rank
 
 
 def check_a_filter_feeds_the_next():
