@@ -99,6 +99,20 @@ class _Locator(caching._CacheLocator):
         return cls(py_func)
 
 
+class _CacheFile(caching.IndexDataCacheFile):
+    """An index whose data files are named by what they hold.
+
+    numba numbers them in the order of saving, so that two processes at work at once, such as two MPI ranks, may write
+    the code of different signatures to one file, and a third would run the wrong one. Now they can only lose an
+    entry of the index, which means compiling again.
+    """
+
+    def save(self, key: Any, data: Any) -> None:
+        number = int.from_bytes(hashlib.sha256(repr(key).encode()).digest()[:6], "big")
+        self._save_data(self._data_name(number), data)
+        self._save_index({**self._load_index(), key: self._data_name(number)})
+
+
 class _CacheImpl(caching.CompileResultCacheImpl):
     _locator_classes = [_Locator]
 
@@ -107,6 +121,10 @@ class _Cache(caching.FunctionCache):
     """A cache that is a convenience only: a damaged or unwritable file means compiling again."""
 
     _impl_class = _CacheImpl
+
+    def __init__(self, py_func: Callable[..., Any]):
+        super().__init__(py_func)
+        self._cache_file = _CacheFile(self.cache_path, self._impl.filename_base, kernel_hash())
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         try:

@@ -10,9 +10,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
+from ..mesh import topology
 from .orientation import determinant_sign
 
 CHUNK = 1 << 20
@@ -120,10 +119,8 @@ def chain_representatives(edges: np.ndarray, n_points: int) -> np.ndarray:
     ends = edges.T.ravel()
     number = np.tile(np.arange(len(edges)), 2)
     simple = degree[ends] == 2
-    links = coo_array(
-        (np.ones(simple.sum()), (number[simple], len(edges) + ends[simple])), (len(edges) + n_points,) * 2
-    )
-    _, label = connected_components(links, directed=False)
+    links = np.column_stack([number[simple], len(edges) + ends[simple]])
+    label = topology.connected(links, len(edges) + n_points)
     return np.sort(np.unique(label[: len(edges)], return_index=True)[1])
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from ..errors import InvalidInput
 from ..geometry.curves import arc_length
@@ -168,6 +167,8 @@ def _shared_out(cells: int, weights: np.ndarray) -> np.ndarray:
 
 def _along(length: np.ndarray, points: np.ndarray, at: np.ndarray, *, periodic: bool) -> np.ndarray:
     """Points at lengths ``at`` of a smooth stretch, the first being the stretch's first."""
+    from scipy.interpolate import CubicSpline  # half a second, which not every start should take
+
     if len(points) < 4:
         new = np.column_stack([np.interp(at, length, x) for x in points.T])
     else:

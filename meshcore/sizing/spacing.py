@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import Literal, NoReturn
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ..errors import InvalidInput
 
@@ -265,6 +264,8 @@ def _growth(cells: int, first: float) -> float:
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:
     """Root between ``low`` and ``high``; where round-off hides the change of sign it is at the smaller of the two."""
+    from scipy.optimize import brentq  # a third of a second, which not every start should take
+
     if function(low) * function(high) > 0:
         return min(low, high, key=abs)
     return brentq(function, low, high, xtol=1e-300, rtol=8.9e-16)

@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from ..errors import GenerationFailed
-from ..mesh import StructuredGrid
+from ..mesh import StructuredGrid, topology
 
 FLAT = 1e-12
 """Sine of a corner's angle below which the corner counts as flat: round-off of coordinates near 1."""
@@ -109,8 +107,7 @@ def _folded_in_space(points: np.ndarray) -> np.ndarray:
     number = np.arange(folded.size).reshape(folded.shape)
     start = np.concatenate([number[:-1][along_i], number[:, :-1][along_j]])
     stop = np.concatenate([number[1:][along_i], number[:, 1:][along_j]])
-    graph = coo_matrix((np.ones(len(start)), (start, stop)), shape=(folded.size, folded.size))
-    part = connected_components(graph, directed=False)[1].reshape(folded.shape)
+    part = topology.connected(np.column_stack([start, stop]), folded.size).reshape(folded.shape)
     area = np.column_stack([np.bincount(part.ravel(), weights=x.ravel()) for x in np.moveaxis(normal, -1, 0)])
     largest = area[np.argmax(np.bincount(part.ravel(), weights=length.ravel()))]
     return folded | (area @ largest < 0)[part]

@@ -69,6 +69,17 @@ def test_a_damaged_cache_file_means_compiling_again(copy):
     assert copy() == "50 {}"
 
 
+def test_signatures_saved_by_two_processes_at_once_do_not_mix(copy):
+    copy("print(caller(4))")
+    index, data = sorted(p for p in copy.cache.rglob("*caller*") if "callee" not in p.name)[::-1]
+    index.rename(index.with_suffix(".kept"))  # as another process sees it that began before the first had saved
+    copy("print(caller(4.5))")
+    assert len([p for p in copy.cache.rglob("*caller*.nbc")]) == 2 and data.exists()
+    index.with_suffix(".kept").replace(index)  # the first process's index comes last
+    assert copy() == "50 {(int64,): 1}"
+    assert copy("print(caller(4.5))") == "55.0"
+
+
 def test_an_unusable_cache_folder_is_no_obstacle(copy):
     copy.cache.write_text("a file where the folder should be")
     assert copy("print(caller(4), str(_numba.cache_folder()).startswith(_numba.tempfile.gettempdir()))") == "50 True"
