@@ -258,3 +258,79 @@ def poisson(points, triangles, boundary_values):
     load = -(matrix @ solution)[free]
     solution[free] = scipy.sparse.linalg.spsolve(matrix[free][:, free].tocsc(), load)
     return solution
+
+
+# ---- planar triangulations, in whole numbers or fractions
+
+
+def side(a, b, c):
+    """Twice the signed area of a, b, c, exactly."""
+    (ax, ay), (bx, by), (cx, cy) = ([Fraction(v) for v in p] for p in (a, b, c))
+    return (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+
+
+def in_circle(a, b, c, d):
+    """Positive if d is inside the circle of counter-clockwise a, b, c, exactly."""
+    rows = []
+    for p in (a, b, c):
+        x, y = Fraction(p[0]) - Fraction(d[0]), Fraction(p[1]) - Fraction(d[1])
+        rows.append((x, y, x * x + y * y))
+    (ax, ay, az), (bx, by, bz), (cx, cy, cz) = rows
+    return az * (bx * cy - cx * by) - bz * (ax * cy - cx * ay) + cz * (ax * by - bx * ay)
+
+
+def delaunay_circles_are_empty(points, triangles):
+    """Whether no point is inside the circle of any triangle: every triangle against every point."""
+    return all(
+        in_circle(*(points[k] for k in triangle), points[p]) <= 0
+        for triangle in triangles
+        for p in range(len(points))
+        if p not in triangle
+    )
+
+
+def not_locally_delaunay(points, triangles, barriers):
+    """Edges, not among the barriers, whose opposite corner is inside the circle of a triangle beside them.
+
+    By Lee and Lin's lemma none is left exactly if no corner that a triangle can see past the barriers is in its circle.
+    """
+    opposite = {}
+    for a, b, c in triangles:
+        for u, v, w in ((a, b, c), (b, c, a), (c, a, b)):
+            opposite[u, v] = w
+    barriers = {frozenset(edge) for edge in barriers}
+    return [
+        (u, v)
+        for (u, v), w in opposite.items()
+        if (v, u) in opposite
+        and frozenset((u, v)) not in barriers
+        and in_circle(points[u], points[v], points[w], points[opposite[v, u]]) > 0
+    ]
+
+
+def is_inside(loops, x, y):
+    """Even-odd rule: how many edges a ray to the right crosses."""
+    inside = False
+    for loop in loops:
+        for (ax, ay), (bx, by) in zip(loop, [*loop[1:], loop[0]], strict=True):
+            if (ay > y) != (by > y) and x < ax + (y - ay) * (bx - ax) / (by - ay):
+                inside = not inside
+    return inside
+
+
+def segments_cross(a, b, c, d):
+    """Whether two segments share a point that is not an end of both, exactly."""
+    if {tuple(a), tuple(b)} & {tuple(c), tuple(d)}:
+        shared = ({tuple(a), tuple(b)} & {tuple(c), tuple(d)}).pop()
+        p, q = (next(e for e in pair if tuple(e) != shared) for pair in ((a, b), (c, d)))
+        along = sum((Fraction(p[k]) - Fraction(shared[k])) * (Fraction(q[k]) - Fraction(shared[k])) for k in (0, 1))
+        return side(shared, p, q) == 0 and along > 0
+    s = [side(a, b, c), side(a, b, d), side(c, d, a), side(c, d, b)]
+    if s[0] * s[1] < 0 and s[2] * s[3] < 0:
+        return True
+
+    def lies_on(p, u, v):
+        box = all(min(u[k], v[k]) <= p[k] <= max(u[k], v[k]) for k in (0, 1))
+        return side(u, v, p) == 0 and box
+
+    return lies_on(c, a, b) or lies_on(d, a, b) or lies_on(a, c, d) or lies_on(b, c, d)

@@ -6,8 +6,8 @@ The method is Ruppert's with Chew's lenses, Uengoer's off-centres, and Triangle'
   out, then too thin, the one with the shortest edge first;
 - a piece of a segment is encroached by a point that sees it under more than 180 degrees minus twice the smallest angle
   (a lens inside the diametral circle); nothing is inserted that encroaches, the piece is split instead;
-- pieces that end at an acute input vertex are split at distances that are powers of two, so that neighbours around
-  the vertex agree (concentric shells);
+- pieces that end at an acute input vertex are split at round distances from it, so that neighbours around the vertex
+  agree (concentric shells, carried on along the whole piece);
 - a thin triangle whose shortest edge joins two segments at equal distance from their common end stays: the input's own
   angle is to blame, and splitting would never end.
 
@@ -179,15 +179,50 @@ def queue_all(
 
 
 @kernel
-def split_place(xy, a, b, acute_a, acute_b):
-    """Where to split the piece a b: its middle, or the shell around an acute end; as a share of its length."""
-    if not (acute_a or acute_b):
-        return 0.5
-    length = math.sqrt((xy[U(2 * b)] - xy[U(2 * a)]) ** 2 + (xy[U(2 * b + 1)] - xy[U(2 * a + 1)]) ** 2)
-    mantissa, exponent = math.frexp(length)
-    # The power of two in [length / 3, 2 length / 3].
-    shell = math.ldexp(0.5 if mantissa > 0.75 else 0.25, exponent)
-    return shell / length if acute_a else 1.0 - shell / length
+def roundest(low, high):
+    """The multiple of the largest power of two that lies between two positive numbers."""
+    _, exponent = math.frexp(high)
+    step = math.ldexp(0.5, exponent)
+    while math.floor(high / step) * step < low:
+        step *= 0.5
+    return math.floor(high / step) * step
+
+
+@kernel
+def split_distance(x, y):
+    """Where to split what lies between distances x and y from an acute vertex: a round number near the middle.
+
+    Round numbers generalise the concentric shells: lines around the vertex get their points at equal distances all
+    along, not only at the innermost, so that points on one line do not call for ever more points on its neighbour.
+    """
+    return roundest(x + 0.3 * (y - x), y - 0.3 * (y - x))
+
+
+@kernel
+def split_place(xy, a, b, p, q, acute_p, acute_q):
+    """Coordinates of the point that splits the part from a to b of the piece from p to q."""
+    ax = xy[U(2 * a)]
+    ay = xy[U(2 * a + 1)]
+    bx = xy[U(2 * b)]
+    by = xy[U(2 * b + 1)]
+    if not (acute_p or acute_q):
+        return ax + 0.5 * (bx - ax), ay + 0.5 * (by - ay)
+    px = xy[U(2 * p)]
+    py = xy[U(2 * p + 1)]
+    qx = xy[U(2 * q)]
+    qy = xy[U(2 * q + 1)]
+    length = math.sqrt((qx - px) ** 2 + (qy - py) ** 2)
+    near = math.sqrt((ax - px) ** 2 + (ay - py) ** 2)
+    far = math.sqrt((bx - px) ** 2 + (by - py) ** 2)
+    if acute_p and acute_q:
+        # The first split parts the piece between its ends; each half is measured from its own.
+        acute_p = 0.5 * (near + far) < split_distance(0.0, length)
+    if not acute_p:
+        px, py, qx, qy = qx, qy, px, py
+        near = math.sqrt((ax - px) ** 2 + (ay - py) ** 2)
+        far = math.sqrt((bx - px) ** 2 + (by - py) ** 2)
+    share = split_distance(min(near, far), max(near, far)) / length
+    return px + share * (qx - px), py + share * (qy - py)
 
 
 @kernel
@@ -345,18 +380,12 @@ def refine(
         if splitting:
             a = int(origin[U(own)])
             b = int(origin[U(next_edge(own))])
-            acute_a = stands_on[U(a)] == INPUT_VERTEX and acute[U(a)] != 0
-            acute_b = stands_on[U(b)] == INPUT_VERTEX and acute[U(b)] != 0
-            share = split_place(xy, a, b, acute_a, acute_b)
-            ax = xy[U(2 * a)]
-            ay = xy[U(2 * a + 1)]
-            bx = xy[U(2 * b)]
-            by = xy[U(2 * b + 1)]
-            qx = ax + share * (bx - ax)
-            qy = ay + share * (by - ay)
+            piece = int(piece_of[U(own)])
+            p = int(pieces[U(piece), 0])
+            q = int(pieces[U(piece), 1])
+            qx, qy = split_place(xy, a, b, p, q, acute[U(p)] != 0, acute[U(q)] != 0)
             behind = int(twin[U(own)])
             start = own & ~3
-            piece = int(piece_of[U(own)])
         # Dig: depth first over edges that are no segments, which meets the cavity's edges counter-clockwise; a split
         # digs on both sides of its piece, one after the other.
         cavity[0] = start

@@ -19,6 +19,8 @@ SAME_POINT = 2.0**-47
 ON_SEGMENT = 2.0**-49
 # Beyond these, areas and products of them would over- or underflow.
 _LARGEST, _SMALLEST = 1e75, 1e-75
+# A share of the largest coordinate that counts as zero: exact arithmetic over more than that would be slow.
+_NOTHING = 2.0**-200
 
 
 @dataclass
@@ -88,7 +90,8 @@ def planar_graph(points: np.ndarray, lines: np.ndarray, vertices: np.ndarray, pa
         warnings.append(f"{len(segments) - len(first)} lines that repeat others were dropped")
     if not len(first):
         raise InvalidGeometry("has only lines without length", parameter=parameter, cells=range(len(lines)))
-    return PlanarGraph(points[source] + 0.0, source, segments[first], real[first], warnings)
+    clean = np.where(np.abs(points[source]) < _NOTHING * largest, 0.0, points[source])
+    return PlanarGraph(clean, source, segments[first], real[first], warnings)
 
 
 def _merged(points: np.ndarray) -> np.ndarray:

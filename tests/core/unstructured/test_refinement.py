@@ -1,0 +1,282 @@
+"""Delaunay refinement: angles, sizes, termination, budgets, planes, progress."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import meshcore
+from meshcore import Cancelled, InvalidInput, Mesh, Relative, delaunay_refinement, quality
+from meshcore.gallery import circle, joined, l_shape, square, square_with_hole
+from meshcore.sizing.size_field import graded
+from tests.core.unstructured import invariants
+from tests.core.unstructured.planar_graphs import comb, frame_mesh, framed_segments, loop_lines, loops, star_polygons
+
+MODELS = {
+    "square": square(),
+    "square with hole": square_with_hole(16),
+    "l": l_shape(3),
+    "comb": loops(comb(6, 4.0)),
+    "discs": joined(circle(40, radius=3.0), circle(30), circle(9, radius=0.3)),
+    "grid of lines": frame_mesh(8, [((2, 2), (6, 2)), ((2, 4), (6, 4)), ((2, 6), (6, 6))], [(1, 1), (7, 7), (4, 5)]),
+}
+
+
+def polygon_area(boundary, n):
+    return invariants.shoelace(boundary.points[:n, :2].tolist())
+
+
+@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("min_angle", [0.0, 20.0, 30.0, 33.0])
+def test_models(name, min_angle):
+    boundary = MODELS[name]
+    mesh, report = delaunay_refinement(boundary, min_angle=min_angle)
+    assert report.converged and not report.warnings
+    invariants.assert_is_triangulation(mesh)
+    invariants.assert_constrained_delaunay(mesh, boundary)
+    assert invariants.angles(mesh).min() >= min_angle - 1e-9
+    assert (mesh.points[: boundary.n_points] == boundary.points).all()
+    without = delaunay_refinement(boundary, min_angle=0).mesh
+    assert float(invariants.area(mesh)) == pytest.approx(float(invariants.area(without)), rel=1e-13)
+    assert invariants.euler(mesh) == invariants.euler(without)
+    added = report.counts["points added on lines"] + report.counts["points added inside"]
+    assert mesh.n_points == boundary.n_points + added == report.counts["points"]
+
+
+@pytest.mark.parametrize("keywords", [{"size": 0.07}, {"size": Relative(0.05)}, {"max_area": 0.001}])
+@pytest.mark.parametrize("min_angle", [0.0, 30.0])
+def test_sizes_are_limits(keywords, min_angle):
+    mesh, report = delaunay_refinement(square_with_hole(), min_angle=min_angle, **keywords)
+    assert report.converged
+    invariants.assert_is_triangulation(mesh)
+    invariants.assert_constrained_delaunay(mesh, square_with_hole())
+    assert invariants.angles(mesh).min() >= min_angle - 1e-9
+    if "size" in keywords:
+        size = keywords["size"]
+        size = size.fraction * np.sqrt(2) if isinstance(size, Relative) else size
+        assert 0.7 * size < invariants.longest_edges(mesh).max() <= size
+    else:
+        p = mesh.points[mesh.cells["triangle"]]
+        assert (0.5 * np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])[:, 2]).max() <= 0.001
+
+
+@pytest.mark.parametrize("min_angle", [0.0, 30.0])
+def test_a_size_field_is_kept_at_every_centroid(min_angle):
+    def field(points):
+        return 0.02 + 0.2 * np.hypot(points[:, 0] - 0.2, points[:, 1] - 0.1)
+
+    mesh, report = delaunay_refinement(square_with_hole(), min_angle=min_angle, size_field=field)
+    assert report.converged
+    assert (invariants.longest_edges(mesh) <= field(mesh.centroids)).all()
+    assert invariants.angles(mesh).min() >= min_angle - 1e-9
+    invariants.assert_is_triangulation(mesh)
+    both = delaunay_refinement(square_with_hole(), size=0.05, size_field=field).mesh
+    assert (invariants.longest_edges(both) <= np.minimum(field(both.centroids), 0.05)).all()
+
+
+@settings(max_examples=40)
+@given(framed_segments(most=8), st.sampled_from([15.0, 25.0, 32.0]))
+def test_random_segments_with_small_angles(boundary, min_angle):
+    mesh, report = delaunay_refinement(boundary, min_angle=min_angle, holes=[[-1, -1]])
+    assert report.converged
+    invariants.assert_is_triangulation(mesh)
+    invariants.lines_as_edges(mesh, boundary)
+    assert float(invariants.area(mesh)) == pytest.approx(64, rel=1e-14)
+    assert mesh.n_cells < 20_000
+    assert_small_angles_are_excused(mesh, boundary, min_angle)
+
+
+@settings(max_examples=40)
+@given(star_polygons(), st.sampled_from([10.0, 20.0, 30.0]), st.integers(-20, 20))
+def test_star_polygons(polygon, min_angle, exponent):
+    boundary = loops(np.ldexp(polygon, exponent))
+    mesh, report = delaunay_refinement(boundary, min_angle=min_angle)
+    assert report.converged
+    invariants.assert_is_triangulation(mesh)
+    exact = float(invariants.shoelace(boundary.points[:, :2].tolist()))
+    assert float(invariants.area(mesh)) == pytest.approx(exact, rel=1e-12)
+    assert mesh.n_cells < 5_000
+    assert_small_angles_are_excused(mesh, boundary, min_angle)
+
+
+def assert_small_angles_are_excused(mesh, boundary, min_angle):
+    """A triangle below the bound has its shortest edge between two lines that meet at less than 60 degrees."""
+    cells = mesh.cells["triangle"]
+    corner = invariants.angles(mesh)
+    on_line = [{k for edge in chain for k in edge} for chain in invariants.lines_as_edges(mesh, boundary)]
+    for t in np.flatnonzero(corner.min(axis=1) < min_angle - 1e-9):
+        p, q = np.delete(cells[t], corner[t].argmin())
+        ends = [k for k, line in enumerate(on_line) if p in line], [k for k, line in enumerate(on_line) if q in line]
+        pairs = [(i, j) for i in ends[0] for j in ends[1] if i != j and on_line[i] & on_line[j]]
+        assert pairs, f"triangle {t} is thin without the excuse of a small input angle"
+
+
+@pytest.mark.parametrize("degrees", [5.0, 1.0, 0.1, 0.03, 1e-3])
+@pytest.mark.parametrize("min_angle", [20.0, 33.0])
+def test_spikes_end(degrees, min_angle):
+    half = np.radians(degrees) / 2
+    boundary = loops([(0, 0), (np.cos(half), -np.sin(half)), (1.0, 0.1), (np.cos(half), np.sin(half))])
+    mesh, report = delaunay_refinement(boundary, min_angle=min_angle)
+    assert report.converged and mesh.n_cells < 1_000  # Triangle makes 2.7 million at 0.1 degree
+    invariants.assert_is_triangulation(mesh)
+    if degrees > 0.01:  # at the tip of a finer spike both lines are one within the helper's tolerance
+        assert_small_angles_are_excused(mesh, boundary, min_angle)
+    assert any("small angles of the input" in w for w in report.warnings)
+
+
+def test_many_lines_at_one_point():
+    """A fan of lines a degree apart, of all lengths."""
+    angle = np.radians(np.arange(0, 90, 1.0))
+    radius = 1 + 0.5 * np.cos(37 * angle)
+    tips = np.column_stack([np.cos(angle), np.sin(angle)]) * radius[:, None] + 2
+    points = np.concatenate([[(0, 0), (5, 0), (5, 5), (0, 5), (2, 2)], tips])
+    boundary = Mesh(points, {"line": [*loop_lines(4), *[(4, 5 + k) for k in range(len(tips))]]})
+    mesh, report = delaunay_refinement(boundary, min_angle=30)
+    assert report.converged and mesh.n_cells < 20_000
+    invariants.assert_is_triangulation(mesh)
+    invariants.lines_as_edges(mesh, boundary)
+
+
+@pytest.mark.parametrize("name", ["rae2822", "naca0012", "s1223"])
+def test_airfoils_in_a_far_field(name, root):
+    airfoil = meshcore.io.read(root / "meshcore" / "data" / f"{name}.dat")
+    boundary = joined(circle(48, radius=15.0, centre=(0.5, 0.0)), airfoil)
+    field = graded(airfoil, near=0.02, growth=1.3, far=3.0)
+    mesh, report = delaunay_refinement(boundary, min_angle=30, size_field=field)
+    assert report.converged and not report.warnings
+    invariants.assert_is_triangulation(mesh)
+    invariants.lines_as_edges(mesh, boundary)
+    assert (invariants.longest_edges(mesh) <= field(mesh.centroids)).all()
+    assert invariants.angles(mesh).min() >= 30 - 1e-9
+    exact = polygon_area(boundary, 48) - invariants.shoelace(airfoil.points[airfoil.get("line")[:, 0], :2].tolist())
+    assert float(invariants.area(mesh)) == pytest.approx(float(exact), rel=1e-12)
+    assert invariants.euler(mesh) == 0
+
+
+def test_tiny_features_far_from_the_origin():
+    """At 1e8 doubles are 1.5e-8 apart; features of 1e-3 must still mesh."""
+    boundary = square_with_hole(4)
+    moved = boundary.with_points(np.round(1e-3 * boundary.points, 6) + [1e8, -1e8, 0])
+    mesh, report = delaunay_refinement(moved, min_angle=25)
+    invariants.assert_is_triangulation(mesh)
+    assert report.converged
+    assert invariants.angles(mesh).min() > 24.9
+
+
+@pytest.mark.parametrize("scale", [1e-30, 1e-8, 1e8, 1e30])
+def test_scale_does_not_matter(scale):
+    power = 2.0 ** round(np.log2(scale))
+    one = delaunay_refinement(square_with_hole(), size=0.1).mesh
+    other = delaunay_refinement(
+        square_with_hole().with_points(square_with_hole().points * power), size=0.1 * power
+    ).mesh
+    assert (one.cells["triangle"] == other.cells["triangle"]).all()
+    assert (one.points * power == other.points).all()
+
+
+def test_the_same_lines_give_the_same_mesh():
+    one, other = (delaunay_refinement(square_with_hole(), size=0.05).mesh for _ in range(2))
+    assert (one.points == other.points).all() and (one.cells["triangle"] == other.cells["triangle"]).all()
+
+
+def test_loops_in_a_tilted_plane():
+    flat = square_with_hole()
+    turn = np.linalg.qr(np.random.default_rng(11).normal(size=(3, 3)))[0]
+    tilted = flat.with_points(flat.points @ turn.T + [3.0, -2.0, 5.0])
+    mesh, report = delaunay_refinement(tilted, min_angle=30)
+    assert report.converged
+    assert (mesh.points[: flat.n_points] == tilted.points).all()
+    back = mesh.with_points((mesh.points - [3.0, -2.0, 5.0]) @ turn)
+    assert np.abs(back.points[:, 2]).max() < 1e-14
+    assert invariants.angles(mesh).min() >= 30 - 1e-9
+    assert quality.validate(mesh) == []
+
+
+@pytest.mark.parametrize("axes", [(0, 2), (1, 0), (2, 1)])
+def test_upright_planes_keep_every_bit(axes):
+    flat = square_with_hole()
+    points = np.full_like(flat.points, 0.3)
+    points[:, axes] = flat.points[:, :2]
+    mesh = delaunay_refinement(flat.with_points(points), size=0.1).mesh
+    assert (mesh.points[: flat.n_points] == points).all()
+    assert (mesh.points[:, (set(range(3)) - set(axes)).pop()] == 0.3).all()
+    area = (
+        np.linalg.norm(
+            np.cross(
+                *(mesh.points[mesh.cells["triangle"]][:, k] - mesh.points[mesh.cells["triangle"]][:, 0] for k in (1, 2))
+            ),
+            axis=1,
+        ).sum()
+        / 2
+    )
+    disc = float(invariants.shoelace(circle(13, radius=0.25).points[:, :2].tolist()))
+    assert area == pytest.approx(1 - disc, rel=1e-12)
+
+
+def test_absurd_sizes_are_refused_before_memory_is_used():
+    for keywords in ({"size": 1e-9}, {"max_area": 1e-12}, {"regions": [[0.01, 0.01, 1, 1e-12]]}):
+        with pytest.raises(InvalidInput, match=r"would make about .* triangles; at most 50,000,000"):
+            delaunay_refinement(square_with_hole(), **keywords)
+    with pytest.raises(InvalidInput, match="size_field: would make about"):
+        delaunay_refinement(square_with_hole(), size_field=lambda p: np.full(len(p), 1e-7))
+
+
+@pytest.mark.parametrize(
+    "field, message",
+    [
+        (lambda p: np.zeros(len(p)), "greater than zero"),
+        (lambda p: p[:, 0] - 0.5, "greater than zero"),
+        (lambda p: np.full(len(p), np.nan), "is nan at"),
+        (lambda p: np.ones((len(p), 2)), "one size a point"),
+        (lambda p: ["x"] * len(p), "failed on"),
+    ],
+)
+def test_bad_size_fields_are_refused(field, message):
+    with pytest.raises(InvalidInput, match=message):
+        delaunay_refinement(square_with_hole(), size_field=field)
+
+
+@pytest.mark.parametrize(
+    "keywords",
+    [
+        {"min_angle": 35},
+        {"min_angle": -1},
+        {"size": 0},
+        {"size": -1.0},
+        {"max_area": 0},
+        {"max_area": -1},
+        {"min_angle": np.nan},
+        {"crossings": "maybe"},
+    ],
+)
+def test_bad_parameters_are_refused(keywords):
+    with pytest.raises(InvalidInput, match=next(iter(keywords))):
+        delaunay_refinement(square(), **keywords)
+
+
+def test_34_degrees_ends_one_way_or_the_other():
+    rng = np.random.default_rng(17)
+    angle = np.sort(rng.random(30)) * 2 * np.pi
+    boundary = loops(np.column_stack([np.cos(angle), np.sin(angle)]) * rng.uniform(0.2, 1, (30, 1)))
+    mesh, report = delaunay_refinement(boundary, min_angle=34)
+    assert quality.validate(mesh) == []
+    assert report.converged or any("may never end" in w for w in report.warnings)
+
+
+def test_progress_is_told_and_may_cancel():
+    seen = []
+    delaunay_refinement(square_with_hole(), size=0.005, progress=lambda f, m: seen.append((f, m)))
+    fractions = [f for f, _ in seen]
+    assert fractions == sorted(fractions) and fractions[0] >= 0 and fractions[-1] <= 1 and len(seen) > 4
+    for stop in (0.0, 0.1, 0.3):
+        boundary = square_with_hole()
+        with pytest.raises(Cancelled):
+            delaunay_refinement(boundary, size=0.005, progress=lambda f, m, stop=stop: f < stop)
+        assert delaunay_refinement(boundary).report.converged
+
+
+def test_area_of_fractions():
+    """The helper itself: a triangle of known area."""
+    assert invariants.shoelace([(0, 0), (1, 0), (0, Fraction(1, 3))]) == Fraction(1, 6)
