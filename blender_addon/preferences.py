@@ -71,18 +71,9 @@ class MESHCORE_OT_compile_kernels(bpy.types.Operator):
 
 def compile_all(progress: Any) -> int:
     """Run every operation on its model input; return how many."""
-    import meshcore
-    from meshcore import gallery
-    from meshcore.progress import advance, part_of
+    from meshcore.gallery import warm_up
 
-    found = meshcore.operations()
-    for number, (identifier, operation) in enumerate(found.items()):
-        step = part_of(progress, number / len(found), (number + 1) / len(found))
-        advance(step, 0.0, f"compiling {operation.label}")
-        positional, keywords = gallery.arguments(identifier)
-        operation.function(*positional, **keywords, progress=step)
-    advance(progress, 1.0, "compiled")
-    return len(found)
+    return len(warm_up(progress))
 
 
 def versions() -> list[str]:

@@ -11,6 +11,8 @@ from . import io
 from .errors import InvalidInput
 from .geometry.curves import lines_through, polyline
 from .mesh import Mesh
+from .operation import operations
+from .progress import Progress, advance, part_of, silent
 from .sizing.around_loop import respaced_loop
 
 
@@ -208,3 +210,22 @@ def arguments(identifier: str) -> tuple[tuple[Any, ...], dict[str, Any]]:
     if identifier not in calls:
         raise InvalidInput(f"the gallery has no model call of {identifier!r}; add one to gallery.arguments")
     return calls[identifier]
+
+
+def warm_up(progress: Progress = silent) -> dict[str, float]:
+    """Make the model call of each operation, which compiles what it needs; seconds by operation.
+
+    Raises
+    ------
+    Cancelled
+        If ``progress`` answers False.
+    """
+    seconds = {}
+    known = operations()
+    for number, (name, operation) in enumerate(known.items()):
+        step = part_of(progress, number / len(known), (number + 1) / len(known))
+        advance(step, 0.0, f"compiling {operation.label}")
+        positional, keywords = arguments(name)
+        seconds[name] = operation.function(*positional, **keywords, progress=step).report.seconds
+    advance(progress, 1.0, "compiled")
+    return seconds

@@ -9,7 +9,6 @@ from typing import Any
 
 from ..mesh import MultiBlock
 from ..operation import Operation, operations
-from ..progress import part_of
 from . import files, flags, terminal
 
 Inputs = dict[str, Any]
@@ -160,22 +159,15 @@ def run_convert(arguments: argparse.Namespace, inputs: Inputs) -> None:
 def run_warmup(arguments: argparse.Namespace, inputs: Inputs) -> None:
     """Run the gallery's small call of each operation, which compiles what it needs."""
     from .._numba import cache_folder, clean_cache
-    from ..gallery import arguments as model_call
+    from ..gallery import warm_up
 
-    known = operations()
-    seconds = {}
     with terminal.progress_bar(arguments.quiet) as bar:
-        for number, (name, operation) in enumerate(known.items()):
-            positional, keywords = model_call(name)
-            step = part_of(bar, number / len(known), (number + 1) / len(known))
-            bar(number / len(known), f"compiling {operation.label}")
-            report = operation.function(*positional, **keywords, progress=step).report
-            seconds[name] = report.seconds
+        seconds = warm_up(bar)
     stale = clean_cache()
     if arguments.json:
         files.print_json({"seconds": seconds, "cache": str(cache_folder()), "stale_removed": stale})
     elif not arguments.quiet:
-        print(terminal.table([(known[name].label, f"{time:.2f} s") for name, time in seconds.items()]))
+        print(terminal.table([(operations()[name].label, f"{time:.2f} s") for name, time in seconds.items()]))
         print(f"compiled kernels are kept in {cache_folder()}")
         if stale:
             print(f"removed {stale} folder{'s' * (stale > 1)} of older versions")
