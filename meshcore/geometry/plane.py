@@ -72,7 +72,7 @@ def fitted_plane(points: np.ndarray, *, tolerance: float = 1e-6, parameter: str 
     """The plane that points lie in, up to a tolerance.
 
     Where a coordinate is the same for all points, the frame is the other two axes and nothing is rounded; else it is
-    the plane of least squares, its normal turned so that its largest component is positive.
+    the plane of least squares, its normal turned so that its largest component is positive (of equal ones, the last).
 
     Parameters
     ----------
@@ -112,8 +112,7 @@ def fitted_plane(points: np.ndarray, *, tolerance: float = 1e-6, parameter: str 
     relative = (points - centre) / scale
     mean = relative.mean(axis=0)
     _, vectors = np.linalg.eigh((relative - mean).T @ (relative - mean))
-    normal = vectors[:, 0] * np.copysign(1.0, vectors[np.abs(vectors[:, 0]).argmax(), 0])
-    first = vectors[:, 2] * np.copysign(1.0, vectors[np.abs(vectors[:, 2]).argmax(), 2])
+    normal, first = _turned(vectors[:, 0]), _turned(vectors[:, 2])
     plane = Plane(centre + scale * mean, np.array([first, np.cross(normal, first)]))
     distance = np.abs(plane.deviations(points))
     allowed = tolerance * float(np.linalg.norm(spread / scale)) * scale
@@ -126,3 +125,9 @@ def fitted_plane(points: np.ndarray, *, tolerance: float = 1e-6, parameter: str 
             points=far,
         )
     return plane
+
+
+def _turned(vector: np.ndarray) -> np.ndarray:
+    """A vector or its opposite: the last of its largest components, up to rounding, is positive."""
+    size = np.abs(vector)
+    return vector * np.copysign(1.0, vector[np.flatnonzero(size > size.max() - 1e-9)[-1]])
