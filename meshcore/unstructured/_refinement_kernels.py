@@ -41,6 +41,7 @@ from ._half_edge_kernels import (
     previous_edge,
     side_of,
 )
+from ._splitting_kernels import split_place
 
 # Places in the state shared by the kernels of this file.
 TRIANGLES, VERTICES, FREE, QUEUED, RECYCLED, TOP, ENCROACHED, PENDING, GIVEN_UP, UNSPLIT, SPLITS, INSERTIONS = range(12)
@@ -176,53 +177,6 @@ def queue_all(
                 t, xy, origin, twin, stands_on, pieces, face, edge_limit, area_limit, limits, queue, head, tail,
                 encroached, state,
             )  # fmt: skip
-
-
-@kernel
-def roundest(low, high):
-    """The multiple of the largest power of two that lies between two positive numbers."""
-    _, exponent = math.frexp(high)
-    step = math.ldexp(0.5, exponent)
-    while math.floor(high / step) * step < low:
-        step *= 0.5
-    return math.floor(high / step) * step
-
-
-@kernel
-def split_distance(x, y):
-    """Where to split what lies between distances x and y from an acute vertex: a round number near the middle.
-
-    Round numbers generalise the concentric shells: lines around the vertex get their points at equal distances all
-    along, not only at the innermost, so that points on one line do not call for ever more points on its neighbour.
-    """
-    return roundest(x + 0.3 * (y - x), y - 0.3 * (y - x))
-
-
-@kernel
-def split_place(xy, a, b, p, q, acute_p, acute_q):
-    """Coordinates of the point that splits the part from a to b of the piece from p to q."""
-    ax = xy[U(2 * a)]
-    ay = xy[U(2 * a + 1)]
-    bx = xy[U(2 * b)]
-    by = xy[U(2 * b + 1)]
-    if not (acute_p or acute_q):
-        return ax + 0.5 * (bx - ax), ay + 0.5 * (by - ay)
-    px = xy[U(2 * p)]
-    py = xy[U(2 * p + 1)]
-    qx = xy[U(2 * q)]
-    qy = xy[U(2 * q + 1)]
-    length = math.sqrt((qx - px) ** 2 + (qy - py) ** 2)
-    near = math.sqrt((ax - px) ** 2 + (ay - py) ** 2)
-    far = math.sqrt((bx - px) ** 2 + (by - py) ** 2)
-    if acute_p and acute_q:
-        # The first split parts the piece between its ends; each half is measured from its own.
-        acute_p = 0.5 * (near + far) < split_distance(0.0, length)
-    if not acute_p:
-        px, py, qx, qy = qx, qy, px, py
-        near = math.sqrt((ax - px) ** 2 + (ay - py) ** 2)
-        far = math.sqrt((bx - px) ** 2 + (by - py) ** 2)
-    share = split_distance(min(near, far), max(near, far)) / length
-    return px + share * (qx - px), py + share * (qy - py)
 
 
 @kernel
