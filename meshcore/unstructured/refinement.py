@@ -108,6 +108,8 @@ def delaunay_refinement(
     >>> report.quality["smallest angle (degree)"] >= 30
     True
     """
+    if not isinstance(boundary, Mesh):
+        raise InvalidInput(f"needs a Mesh of line cells, got {type(boundary).__name__}", parameter="boundary")
     if max_area == 0:
         raise InvalidInput("must be greater than zero, got 0; leave it out for no limit", parameter="max_area")
     lines = boundary.get("line")

@@ -280,3 +280,8 @@ def test_progress_is_told_and_may_cancel():
 def test_area_of_fractions():
     """The helper itself: a triangle of known area."""
     assert invariants.shoelace([(0, 0), (1, 0), (0, Fraction(1, 3))]) == Fraction(1, 6)
+
+
+def test_other_things_than_meshes_are_refused():
+    with pytest.raises(InvalidInput, match="boundary: needs a Mesh of line cells, got ndarray"):
+        delaunay_refinement(np.zeros((3, 3)))
