@@ -112,8 +112,9 @@ def arc_length(points: np.ndarray) -> np.ndarray:
     >>> arc_length(np.array([[0.0, 0], [3, 4], [3, 5]]))
     array([0., 5., 6.])
     """
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    return np.concatenate([[0.0], np.cumsum(steps)])
+    steps = np.diff(points, axis=0)
+    scale = float(np.abs(steps).max(initial=0.0)) or 1.0  # squares of lengths below 1e-154 would underflow
+    return np.concatenate([[0.0], np.cumsum(scale * np.linalg.norm(steps / scale, axis=1))])
 
 
 def resampled(points: np.ndarray, fractions: np.ndarray) -> np.ndarray:

@@ -74,7 +74,7 @@ def test_signatures_saved_by_two_processes_at_once_do_not_mix(copy):
     index, data = sorted(p for p in copy.cache.rglob("*caller*") if "callee" not in p.name)[::-1]
     index.rename(index.with_suffix(".kept"))  # as another process sees it that began before the first had saved
     copy("print(caller(4.5))")
-    assert len([p for p in copy.cache.rglob("*caller*.nbc")]) == 2 and data.exists()
+    assert len(list(copy.cache.rglob("*caller*.nbc"))) == 2 and data.exists()
     index.with_suffix(".kept").replace(index)  # the first process's index comes last
     assert copy() == "50 {(int64,): 1}"
     assert copy("print(caller(4.5))") == "55.0"

@@ -66,6 +66,12 @@ def test_resampling_keeps_ends_and_stays_on_the_curve(points, n):
     assert curves.arc_length(new)[-1] <= curves.arc_length(points)[-1] * (1 + 1e-12)
 
 
+@pytest.mark.parametrize("scale", [1e-300, 1e-170, 1.0, 1e170])
+def test_length_of_tiny_and_huge_curves(scale):
+    points = scale * np.array([[0.0, 0, 0], [3, 4, 0], [3, 4, 12]])
+    assert curves.arc_length(points) / scale == pytest.approx([0, 5, 17], rel=1e-15)
+
+
 def test_corners_of_a_rectangle_however_it_is_divided():
     loop = curves.polyline(gallery.square(7).transformed(np.diag([3.0, 1, 1, 1])))
     assert curves.sharpest_corners(loop).tolist() == [0, 7, 14, 21]
