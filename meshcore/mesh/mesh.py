@@ -166,9 +166,9 @@ class Mesh:
     def transformed(self, matrix: np.ndarray) -> Mesh:
         """The mesh under a (4, 4) affine matrix; a mirror image is turned to keep cells positive."""
         matrix = np.asarray(matrix, float)
-        return self.with_points(self.points @ matrix[:3, :3].T + matrix[:3, 3]).reoriented(
-            np.linalg.det(matrix[:3, :3]) < 0
-        )
+        linear = matrix[:3, :3]
+        mirrors = np.cross(linear[0], linear[1]) @ linear[2] < 0  # the determinant
+        return self.with_points(self.points @ linear.T + matrix[:3, 3]).reoriented(mirrors)
 
     def reoriented(self, flip: bool | np.ndarray = True) -> Mesh:
         """The mesh with the cells of ``flip`` (all, none, or (number of cells,) bool) turned inside out."""

@@ -114,12 +114,13 @@ def test_transforming_scales_the_signed_area_of_each_triangle(matrix):
     matrix[:2, 2] = 0
     mesh = gallery.triangulated_square(2)
     before, after = signed_areas(mesh), signed_areas(mesh.transformed(matrix))
-    assert np.allclose(after, before * abs(np.linalg.det(matrix[:2, :2])), atol=1e-9)
+    (a, b), (c, d) = matrix[:2, :2]
+    assert np.allclose(after, before * abs(a * d - b * c), atol=1e-9)
 
 
 def signed_areas(mesh: Mesh) -> np.ndarray:
-    a, b, c = (mesh.points[mesh.cells["triangle"][:, k], :2] for k in range(3))
-    return np.linalg.det(np.stack([b - a, c - a], axis=1)) / 2
+    a, b, c = (mesh.points[mesh.cells["triangle"][:, k]] for k in range(3))
+    return np.cross(b - a, c - a)[:, 2] / 2
 
 
 def test_compacting_drops_only_points_without_cells():
