@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ..errors import InvalidInput
 from ..geometry.curves import Curve
@@ -98,6 +97,8 @@ def graded(curve_or_points: Curve, near: float, growth: float, far: float) -> Si
     if not np.isfinite(growth) or growth <= 1:
         raise InvalidInput(f"must be above 1, got {growth}; 1.2 is usual", parameter="growth")
     samples, gap = _samples(curve_or_points, near)
+    from scipy.spatial import cKDTree  # a third of a second, which not every start should take
+
     tree = cKDTree(samples)
 
     def field(points: np.ndarray) -> np.ndarray:

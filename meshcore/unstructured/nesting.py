@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import defaultdict, deque
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
+
+from ..mesh import topology
 
 BRIDGE = -1
 
@@ -65,8 +65,8 @@ def nesting_levels(edges: np.ndarray, left: np.ndarray, right: np.ndarray, n_fac
 def _blocks(edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Number of the block of each edge, `BRIDGE` for edges on no cycle; and whether each block is even."""
     n = int(edges.max()) + 1
-    links = coo_matrix((np.ones(len(edges), np.int8), edges.T), (n, n))
-    n_components, component = connected_components(links, directed=False)
+    component = topology.connected(edges, n)
+    n_components = int(component.max()) + 1
     degree = np.bincount(edges.ravel(), minlength=n)
     even = np.ones(n_components, bool)
     even[component[degree % 2 == 1]] = False

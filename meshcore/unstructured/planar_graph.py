@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from ..errors import InvalidGeometry
 from ..geometry import predicates
+from ..mesh import topology
 
 # Shares of the largest coordinate; a double's own rounding is 1.1e-16 of it. Points nearer than the first are one; a
 # point nearer to a segment than the second lies on it. The first is larger, so that a walk along a segment from
@@ -97,14 +95,19 @@ def planar_graph(points: np.ndarray, lines: np.ndarray, vertices: np.ndarray, pa
 def _merged(points: np.ndarray) -> np.ndarray:
     """(n,) int: for each point the first point of the group of points at its place."""
     distance = SAME_POINT * float(np.abs(points).max())
-    pairs = cKDTree(points).query_pairs(distance, output_type="ndarray")
-    n = len(points)
-    if not len(pairs):
-        return np.arange(n)
-    links = coo_matrix((np.ones(len(pairs), np.int8), pairs.T), (n, n))
-    _, group = connected_components(links, directed=False)
-    first = np.full(group.max() + 1, n)
-    np.minimum.at(first, group, np.arange(n))
+    if not distance:
+        return np.zeros(len(points), int)
+    pairs = []
+    # Two points that near each other lie in one cell of at least one of four grids, shifted by half a cell.
+    for shift in np.ndindex(2, 2):
+        cell = np.floor(points / (2 * distance) + 0.5 * np.array(shift))
+        order = np.lexsort(cell.T)
+        together = (cell[order][1:] == cell[order][:-1]).all(axis=1)
+        pairs.append(np.column_stack([order[:-1], order[1:]])[together])
+    pairs = np.concatenate(pairs)
+    near = np.linalg.norm((points[pairs[:, 0]] - points[pairs[:, 1]]) / distance, axis=1) <= 1
+    group = topology.connected(pairs[near], len(points))
+    first = np.unique(group, return_index=True)[1]
     return first[group]
 
 

@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from meshcore import Mesh, gallery
-from meshcore.mesh import CELL_TYPES
+from meshcore.mesh import CELL_TYPES, topology
 
 CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
 SOLIDS = {
@@ -84,6 +86,26 @@ def test_only_cells_of_the_highest_dimension_have_facets():
 def test_curved_cells_have_the_facets_of_their_corners():
     mesh = Mesh(np.random.default_rng(7).random((10, 3)), {"tetra10": [range(10)]})
     assert len(mesh.edges) == 6 and mesh.boundary.n_cells == 4
+
+
+@given(st.integers(1, 30), st.lists(st.tuples(st.integers(0, 29), st.integers(0, 29)), max_size=40))
+def test_connected_parts_against_a_plain_search(count, pairs):
+    pairs = [(a % count, b % count) for a, b in pairs]
+    label = topology.connected(np.array(pairs, int).reshape(-1, 2), count)
+    reached = {k: {k} for k in range(count)}
+    for _ in range(count):
+        for a, b in pairs:
+            both = reached[a] | reached[b]
+            for k in both:
+                reached[k] = both
+    firsts = sorted({min(part) for part in reached.values()})
+    assert label.tolist() == [firsts.index(min(reached[k])) for k in range(count)]
+
+
+def test_a_long_chain_is_one_part_in_any_order():
+    pairs = np.column_stack([np.arange(99_999), np.arange(1, 100_000)])
+    for order in (slice(None), slice(None, None, -1), np.random.default_rng(5).permutation(99_999)):
+        assert not topology.connected(pairs[order], 100_000).any()
 
 
 def test_edges_are_unique_and_sorted():
