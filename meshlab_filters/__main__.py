@@ -25,7 +25,11 @@ def parser() -> argparse.ArgumentParser:
         description="Run a mesh generator on a mesh or project, before it and after it MeshLab scripts.",
         epilog=f"Filters: {', '.join(binding.filter_list())}. Exit codes: 0 done, 1 failed, 2 wrong arguments.",
     )
-    made.add_argument("input", nargs="?", help="mesh or project (.mlp); its current layer is the input")
+    made.add_argument(
+        "input",
+        nargs="?",
+        help="mesh or project (.mlp); its current layer is the input; left out if the filter needs none",
+    )
     made.add_argument("output", nargs="?", help="mesh for the new layer, project for all layers, or .vtu and others")
     made.add_argument("--filter", metavar="NAME", help="filter to run")
     made.add_argument("-p", action="append", default=[], metavar="KEY=VALUE", help="parameter; lengths take 5%%")
@@ -83,13 +87,19 @@ def keywords(function: Any, pairs: list[str]) -> dict[str, Any]:
     return found
 
 
+def _needs_no_input(name: str | None) -> bool:
+    """Whether a filter makes its mesh from parameters alone."""
+    return name is not None and not getattr(getattr(binding.find(name), "operation", None), "inputs", True)
+
+
 def run(options: argparse.Namespace) -> dict[str, Any]:
     """Load, run scripts and filter, save; return the filter's numbers."""
     function = binding.find(options.filter)
     with meshlab_errors(options.filter):
         given = keywords(function, options.p)
     ms = pymeshlab.MeshSet(verbose=False)
-    files.load(ms, options.input)
+    if options.input is not None:
+        files.load(ms, options.input)
     if options.layer is not None:
         with meshlab_errors("--layer"):
             layer = int(options.layer) if options.layer.isdigit() else options.layer
@@ -120,7 +130,12 @@ def main(arguments: list[str] | None = None) -> int:
         if options.parameters:
             binding.print_filter_parameter_list(options.parameters)
             return 0
-        missing = [name for name in ("input", "output", "filter") if getattr(options, name) is None]
+        needed = ["input", "output", "filter"]
+        if _needs_no_input(options.filter):
+            needed.remove("input")
+            if options.output is None:
+                options.input, options.output = None, options.input
+        missing = [name for name in needed if getattr(options, name) is None]
         if missing:
             print(f"meshlab_filters: {missing[0]} is missing; see --help", file=sys.stderr)
             return USAGE

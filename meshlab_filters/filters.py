@@ -87,7 +87,7 @@ class Percentage(pymeshlab.PercentageValue):
 
 
 def signature(op: Operation) -> inspect.Signature:
-    """The filter's signature: the MeshSet, then layers, knobs and how to show the result, by keyword."""
+    """The filter's signature: the MeshSet, then layers, parameters and how to show the result, by keyword."""
 
     def keyword(name: str, default: Any, annotation: str) -> inspect.Parameter:
         if isinstance(default, pymeshlab.PercentageValue):
@@ -159,17 +159,16 @@ def _run(op: Operation, ms: pymeshlab.MeshSet, keywords: dict[str, Any]) -> Filt
         own = (conversion.VERTEX_SCALAR, conversion.FACE_SCALAR)
         if param.array and isinstance(value, str) and value and value not in (*own, *attributes):
             attributes.append(value)
-    source = conversion.layer_of(ms, None)
-    first, *others = op.inputs.items()
-    inputs = {first[0]: _input(source, first[1], attributes)}
-    for name, port in others:
+    inputs = {}
+    for number, (name, port) in enumerate(op.inputs.items()):
         layer = keywords.pop(name, None)
-        if layer is not None:
-            inputs[name] = _input(conversion.layer_of(ms, layer, name), port, ())
+        if number == 0 or layer is not None:
+            inputs[name] = _input(conversion.layer_of(ms, layer, name), port, () if number else attributes)
     if isinstance(keywords.get("marks"), str) and keywords["marks"] == SELECTED:
-        keywords["marks"] = source.face_selection_array()
+        keywords["marks"] = ms.current_mesh().face_selection_array()
+    source = ms.current_mesh().label() if inputs else ""
     mesh, report = op.function(**inputs, **keywords)
-    return add_layers(ms, mesh, report, label or f"{source.label()} {op.label}".strip(), measure)
+    return add_layers(ms, mesh, report, label or f"{source} {op.label}".strip(), measure)
 
 
 def _names(value: Any) -> tuple[str, ...]:
@@ -207,7 +206,7 @@ def add_layers(ms: pymeshlab.MeshSet, mesh: Any, report: Any, label: str, measur
 
 def documentation(op: Operation) -> str:
     """The docstring: what the operation says of itself, and each parameter with unit and limits."""
-    first, *others = op.inputs.values()
+    ports = list(op.inputs.values())
     lines = [
         op.summary,
         "",
@@ -221,8 +220,9 @@ def documentation(op: Operation) -> str:
         lines.append(f"{name} : {kind}")
         lines.extend(textwrap.wrap(text, 100, initial_indent="    ", subsequent_indent="    "))
 
-    entry("ms", "pymeshlab.MeshSet", f"Its current layer is the input. {first.description}.")
-    for port in others:
+    role = f"Its current layer is the input. {ports[0].description}." if ports else "Takes the new layer."
+    entry("ms", "pymeshlab.MeshSet", role)
+    for port in ports[1:]:
         entry(port.name, "int or str, optional", f"Id or label of a layer. {port.description}.")
     for param in op.params.values():
         entry(param.name, _type(param), f"{param.description}{_limits(param)}.")

@@ -35,7 +35,8 @@ def model_call(ms, identifier):
     }
     ids = [add(ms, mesh, port) for port, mesh in zip(ports, inputs, strict=False)]
     keywords.update(zip(ports[1:], ids[1:], strict=False))
-    ms.set_current_mesh(ids[0])
+    if ids:
+        ms.set_current_mesh(ids[0])
     return keywords, inputs, given
 
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import inspect
+from typing import Annotated
 
 import numpy as np
 import pymeshlab
 import pytest
 
 import meshlab_filters
-from meshcore import Mesh, StructuredGrid, gallery, operations, quality
+from meshcore import Mesh, Report, Result, StructuredGrid, gallery, operations, quality
+from meshcore.operation import Param, operation
+from meshlab_filters.__main__ import main
 from tests.meshlab.conftest import add, model_call
 
 
@@ -137,3 +140,41 @@ def test_write_keeps_what_layers_lose(ms, tmp_path):
         meshlab_filters.write(result, tmp_path / "nowhere" / "grid.vts")
     meshlab_filters.write(Mesh([[0, 0], [1, 0], [0, 1]], {"triangle": [[0, 1, 2]]}), tmp_path / "one.vtu")
     assert (tmp_path / "one.vtu").stat().st_size
+
+
+@pytest.fixture
+def plate(monkeypatch):
+    """The filter of an operation that has parameters only."""
+    monkeypatch.setattr("meshcore.operation._REGISTRY", {})
+
+    @operation("Plate", category="Unstructured")
+    def plate(*, size: Annotated[float, Param("size", min=0.1)] = 1.0) -> Result:
+        """Make a plate."""
+        mesh = gallery.triangulated_square(2)
+        return Result(Mesh(size * mesh.points, mesh.cells), Report(counts={"points": mesh.n_points}))
+
+    return meshlab_filters.filters.make_filter(operations()["plate"])
+
+
+def test_an_operation_without_inputs_makes_a_layer_from_nothing(ms, plate):
+    assert list(inspect.signature(plate).parameters)[:2] == ["ms", "size"]
+    assert "\nsize : float\n" in plate.__doc__
+    result = plate(ms, size=3.0)
+    assert (ms.mesh_number(), result["layer"], ms.current_mesh().label()) == (1, ms.current_mesh_id(), "Plate")
+    assert ms.current_mesh().vertex_matrix().max() == 3
+    plate(ms)
+    assert ms.mesh_number() == 2 and ms.current_mesh().vertex_matrix().max() == 1
+
+
+def test_an_operation_without_inputs_needs_no_file(plate, tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(meshlab_filters.binding.ALL, "plate", plate)
+    out = tmp_path / "plate.ply"
+    assert main([str(out), "--filter", "plate", "-p", "size=2"]) == 0
+    scene = pymeshlab.MeshSet(verbose=False)
+    scene.load_new_mesh(str(out))
+    assert scene.current_mesh().vertex_matrix().max() == 2
+    assert main([str(out), str(tmp_path / "both.mlp"), "--filter", "plate"]) == 0  # added to what is there
+    meshlab_filters.load(scene, tmp_path / "both.mlp")
+    assert [m.label() for m in scene][1:] == ["plate.ply", "Plate"]
+    assert main(["--filter", "plate"]) == 2
+    assert "output is missing" in capsys.readouterr().err
