@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import meshcore
+from meshcore import gallery
 
 README = Path(__file__).resolve().parent.parent.parent / "README.md"
 
@@ -13,6 +14,7 @@ def operations_table() -> str:
     rows = ["| operation | what it does | survey | kind |", "| --- | --- | --- | --- |"]
     for name, op in meshcore.operations().items():
         survey = re.search(r"[Ss]urvey,? sections? ([\d., and]+\d)", op.function.__doc__)
+        assert survey, f'{name}: the References of its docstring name no section, as in "Survey, section 2.4.1."'
         rows.append(f"| `{name}` | {op.summary} | {survey.group(1)} | {op.category} |")
     return "\n".join(rows)
 
@@ -27,6 +29,17 @@ def test_the_table_of_operations_is_up_to_date():
     text = README.read_text()
     assert "<!-- operations -->" in text
     assert with_tables(text) == text
+
+
+def test_the_python_example_runs_as_it_stands(tmp_path, monkeypatch, capsys):
+    (example,) = re.findall(r"```python\n(.*?)```", README.read_text(), flags=re.S)
+    monkeypatch.chdir(tmp_path)
+    meshcore.io.write("rae2822.dat", gallery.airfoil("rae2822"))
+    names = {}
+    exec(example, names)
+    assert names["finer"].n_cells > names["mesh"].n_cells
+    assert meshcore.io.read("section.vtu").n_cells == names["mesh"].n_cells
+    assert "Delaunay Refinement" in capsys.readouterr().out
 
 
 def test_every_linked_file_is_there():
