@@ -39,9 +39,9 @@ def operations_page() -> str:
     """Every registered operation: inputs, parameters with limits and units, and how it is called in each host."""
     parts = [
         heading("Operations", "="),
-        "Every operation is a Python function, a subcommand of ``meshcore``, an operator in Blender, a filter in\n"
-        "ParaView and a function for MeshLab, with the same parameters. This page is made from the registry.\n"
-        "In hosts, 0 stands for a number that is optional in Python.\n",
+        "Every operation is a Python function, a subcommand of ``meshcore``, an operator in Blender, a source\n"
+        "or filter in ParaView and a function for MeshLab, with the same parameters. This page is made from the\n"
+        "registry. In hosts, 0 stands for a number that is optional in Python.\n",
     ]
     for operation in meshcore.operations().values():
         parts.append(_operation(operation))
@@ -52,22 +52,21 @@ def _operation(operation: Operation) -> str:
     rows = [("Parameter", "Type", "Default", "Limits", "Meaning")]
     for param in operation.params.values():
         rows.append((f"``{param.name}``", _kind(param), _default(param), _limits(param), param.description))
+    flag = operation.id.replace("_", "-")
     inputs = [
         f"* ``{port.name}``{' (optional)' if port.optional else ''}: {port.description}"
         for port in operation.inputs.values()
     ]
+    words = [flag] + [f"[{p.name.upper()}]" if p.optional else p.name.upper() for p in operation.inputs.values()]
     table = "\n".join("   * - " + "\n     - ".join(cell or "\\" for cell in row) for row in rows)
-    flag = operation.id.replace("_", "-")
     return "\n".join(
         [
             heading(operation.label, "-"),
             f"{operation.summary} Category {operation.category}; makes a {operation.output}.\n",
             f":Python: :func:`meshcore.{operation.id}`",
-            f":Command line: ``meshcore {flag} INPUT -o OUTPUT``, see ``meshcore {flag} --help``",
+            f":Command line: ``meshcore {' '.join(words)} -o OUTPUT``, see ``meshcore {flag} --help``",
             f":Menus: {operation.label}, in Blender and ParaView\n",
-            "Inputs\n",
-            *inputs,
-            "",
+            *(["Inputs\n", *inputs, ""] if inputs else []),
             ".. list-table::\n   :header-rows: 1\n",
             table,
             "",
