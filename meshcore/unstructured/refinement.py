@@ -169,7 +169,7 @@ def _result(
         converged=not (refinement.exhausted or refinement.poor),
         warnings=[*triangulation.graph.warnings, *parts.warnings],
     )
-    _warn(report, mesh, boundary, len(kept), refinement, min_angle)
+    _warn(report, mesh, refinement, min_angle)
     return Result(mesh, report)
 
 
@@ -189,7 +189,7 @@ def _numbering(triangulation: ConstrainedTriangulation, refinement: Refinement):
     return number, source[old], added
 
 
-def _warn(report: Report, mesh: Mesh, boundary: Mesh, n_kept: int, refinement: Refinement, min_angle: float) -> None:
+def _warn(report: Report, mesh: Mesh, refinement: Refinement, min_angle: float) -> None:
     """Say in the report what the user should know."""
     if refinement.exhausted:
         report.warnings.append(
