@@ -108,6 +108,8 @@ def refined(
     >>> len(mesh.cells["triangle"]) < 1000, round(report.quality["smallest angle (degree)"])
     (True, 45)
     """
+    if not isinstance(mesh, Mesh):
+        raise InvalidInput(f"needs a Mesh of triangles, got {type(mesh).__name__}", parameter="mesh")
     _check_kinds(mesh)
     sides = scaled_sides(mesh.points, triangles_of(mesh))
     refuse(mesh, np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) <= 4 * np.finfo(float).eps)

@@ -233,9 +233,9 @@ def _format_of(path: Path) -> Format:
     if extension in _FORMATS:
         return _FORMATS[extension]
     near = difflib.get_close_matches(extension, _FORMATS, n=1)
-    guess = f"; did you mean {near[0]}?" if near else ""
+    guess = f"; did you mean {near[0]}? Known" if near else "; known"
     what = f"the extension {extension!r} is unknown" if extension else "has no extension"
-    raise InvalidInput(f"{path.name}: {what}{guess} Known are {' '.join(_FORMATS)}", parameter="path")
+    raise InvalidInput(f"{path.name}: {what}{guess} are {' '.join(_FORMATS)}", parameter="path")
 
 
 def _nearest_file(path: Path) -> str:

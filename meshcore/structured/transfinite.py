@@ -15,6 +15,7 @@ from ..quality import summary, validate
 from ..report import Report, Result
 from ..sizing import hyperbolic_tangent
 from .folds import refuse_folds
+from .limits import check_size
 
 _SIDE = "line cells in one chain, or points in order"
 _CURE = (
@@ -123,6 +124,8 @@ def transfinite(
     sides, names = _right_handed(*_sides(given, corners, tolerance))
     diagonal = float(np.linalg.norm(np.ptp(np.concatenate(sides), axis=0)))
     ends = [None if spacings[n] is None else absolute(spacings[n], diagonal) for n in names]
+    n_i, n_j = (cells_i or max(map(len, sides[::2])) - 1) + 1, (cells_j or max(map(len, sides[1::2])) - 1) + 1
+    check_size(n_i, n_j, parameter="cells_i" if n_i > n_j else "cells_j")
     sides = _matched(sides, names, cells_i, cells_j, ends, loop=east is None)
     advance(progress, 0.5, "interpolating")
     faces = dict(zip(("jmin", "imax", "jmax", "imin"), names, strict=True))

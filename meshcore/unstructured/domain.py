@@ -12,6 +12,9 @@ from ..geometry.plane import Plane
 from ..mesh import Mesh
 from .constrained import ConstrainedTriangulation, faces_of_points, levels, loose_ends
 
+# Beyond this, not every whole number is a double.
+_LARGEST_TAG = 2.0**53
+
 
 @dataclass
 class Seeds:
@@ -72,6 +75,11 @@ def seeds(boundary: Mesh, holes: Any, regions: Any, plane: Plane) -> Seeds:
     tags = regions[:, 2] if regions.shape[1] > 2 else number
     if (tags != np.rint(tags)).any():
         raise InvalidInput(f"tags must be whole numbers, got {tags[tags != np.rint(tags)][0]:g}", parameter="regions")
+    if (np.abs(tags) > _LARGEST_TAG).any():
+        raise InvalidInput(
+            f"tags must be within 2^53 of zero, got {tags[np.abs(tags).argmax()]:g}; give smaller ones",
+            parameter="regions",
+        )
     areas = np.full(len(regions), np.inf)
     if regions.shape[1] > 3:
         areas = np.where(regions[:, 3] > 0, regions[:, 3], np.inf)  # as in Triangle, no limit is written as -1

@@ -20,6 +20,8 @@ MAX_TRIANGLES = 50_000_000
 # Mean area of the triangles that refinement makes: of size^2, and of the largest area allowed.
 _AREA_BY_SIZE = 0.2
 _AREA_BY_MAX_AREA = 0.6
+# Longer than any scaled edge; its square does not overflow.
+_LONGEST = 1e150
 
 
 @dataclass
@@ -83,7 +85,7 @@ class Refiner:
         self.size_field = size_field
         self.cosine2 = np.cos(np.radians(min_angle)) ** 2 if min_angle > 0 else np.inf
         self.has_angle = min_angle > 0
-        unjudged = (size * self.scale) ** 2 if np.isfinite(size) else np.inf
+        unjudged = (size * self.scale) ** 2 if size * self.scale < _LONGEST else np.inf
         self.limits = np.array([self.cosine2, _lens(min_angle), _off_centre(min_angle), unjudged])
         self._carve()
         self._allocate()
@@ -183,7 +185,7 @@ class Refiner:
         at = self.xy.reshape(-1, 2)[corners[new]]
         sizes = self.size_field(np.ldexp(at.mean(axis=1), -self.mesh.exponent)) * self.scale
         # One step below the value that means unjudged, so that no triangle is judged twice.
-        limit = np.minimum(sizes**2, np.nextafter(unjudged, 0))
+        limit = np.minimum(np.minimum(sizes, _LONGEST) ** 2, np.nextafter(unjudged, 0))
         self.edge_limit[slots[new]] = limit
         needed = float((self._areas(corners) / (_AREA_BY_SIZE * self.edge_limit[slots])).sum())
         if needed > MAX_TRIANGLES:

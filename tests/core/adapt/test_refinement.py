@@ -514,3 +514,9 @@ def test_adaptive_refinement_restores_the_rate_of_smooth_solutions():
     assert angles(mesh).min() == pytest.approx(np.pi / 4)
     assert np.interp(np.log(3000), np.log(counts), errors) < 0.4 * uniform
     assert max(ratios) / min(ratios) < 1.5, "the indicator is equivalent to the error"
+
+
+@pytest.mark.parametrize("wrong", [None, 3, "mesh.vtu", mc.o_grid(gallery.circle(8), layers=4).mesh])
+def test_what_is_no_mesh_is_refused_by_name(wrong):
+    with pytest.raises(InvalidInput, match=f"mesh: needs a Mesh of triangles, got {type(wrong).__name__}"):
+        refined(wrong)

@@ -294,3 +294,8 @@ def test_working_folder_is_left_alone(tmp_path: Path) -> None:
     refused(tmp_path / "mesh.stl")
     assert os.getcwd() == before
     assert [p.name for p in tmp_path.iterdir()] == ["mesh.stl"]
+
+
+def test_a_name_without_extension_gets_a_whole_sentence():
+    with pytest.raises(mc.InvalidInput, match=r"mesh: has no extension; known are .*\.stl"):
+        mc.io.write("mesh", mc.gallery.square())

@@ -182,3 +182,21 @@ def test_a_failure_shows_where():
 def test_stops_when_told():
     with pytest.raises(Cancelled):
         mc.o_grid(gallery.circle(12), progress=lambda fraction, message: fraction < 0.4)
+
+
+@pytest.mark.parametrize("scale", [1e-200, 1e-80, 1e80, 1e200])
+def test_sections_whose_areas_would_over_or_underflow(scale):
+    with pytest.raises(InvalidGeometry, match=r"section: has an extent of .*scale it"):
+        mc.o_grid(lines_through(scale * gallery.circle(12).points, closed=True))
+
+
+@pytest.mark.parametrize("keywords", [{"first_height": 1e-30}, {"first_height": 1e-300}, {"radius": 1e300}])
+def test_heights_that_rounding_would_lose(keywords):
+    with pytest.raises(InvalidInput, match=r"first_height: is .* lost in rounding"):
+        mc.o_grid(gallery.circle(12), **keywords)
+
+
+@pytest.mark.parametrize("name", ["around", "layers"])
+def test_grids_too_large_for_the_memory(name):
+    with pytest.raises(InvalidInput, match=f"{name}: would make .* points; at most"):
+        mc.o_grid(gallery.circle(12), **{name: 10**9})

@@ -279,3 +279,9 @@ def test_overspill_of_an_l_shape_is_found():
 def test_stops_when_told():
     with pytest.raises(Cancelled):
         mc.transfinite(*WAVY, progress=lambda fraction, message: False)
+
+
+@pytest.mark.parametrize("cells", [(10**9, 1), (1, 10**9), (10**5, 10**4)])
+def test_grids_too_large_for_the_memory(cells):
+    with pytest.raises(InvalidInput, match=r"cells_[ij]: would make .* points; at most"):
+        mc.transfinite(gallery.circle(40), cells_i=cells[0], cells_j=cells[1])

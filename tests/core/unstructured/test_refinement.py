@@ -285,3 +285,24 @@ def test_area_of_fractions():
 def test_other_things_than_meshes_are_refused():
     with pytest.raises(InvalidInput, match="boundary: needs a Mesh of line cells, got ndarray"):
         delaunay_refinement(np.zeros((3, 3)))
+
+
+@pytest.mark.parametrize(
+    "limits",
+    [
+        {"size": 1e300},
+        {"size_field": lambda points: np.full(len(points), 1e200)},
+        {"max_area": 1e305},
+        {"regions": [[0.3, 0.4, 1, 1e305]]},
+    ],
+)
+def test_limits_beyond_all_edges_are_no_limits(limits):
+    mesh, report = delaunay_refinement(square(), **limits)
+    assert mesh.n_cells == 2 and report.converged
+
+
+def test_tags_that_are_no_integers_of_the_machine():
+    with pytest.raises(InvalidInput, match="regions: tags must be within 2\\^53"):
+        delaunay_refinement(square(), regions=[[0.3, 0.4, 1e300]])
+    tag = 2**53
+    assert set(delaunay_refinement(square(), regions=[[0.3, 0.4, tag]]).mesh.cell_data["region"]) == {tag}
