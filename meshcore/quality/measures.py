@@ -9,6 +9,7 @@ import numpy as np
 from ..errors import InvalidInput
 from ..mesh import CELL_TYPES, Mesh, StructuredGrid
 from . import hexahedron, neighbours, pyramid, quad, tetra, triangle, wedge
+from .given import as_mesh
 from .measure_table import Measure
 from .vectors import corners
 
@@ -91,6 +92,7 @@ def measure(mesh: Mesh | StructuredGrid, name: str) -> np.ndarray:
     if isinstance(mesh, StructuredGrid):
         shape = mesh.cell_shape
         return measure(mesh.to_mesh(), name).reshape(shape[::-1]).swapaxes(0, 2).copy()
+    mesh = as_mesh(mesh)
     if name in neighbours.MEASURES:
         if mesh.dimension < 2:
             return np.full(mesh.n_cells, np.nan)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..mesh import CELL_TYPES, Mesh, StructuredGrid
+from .given import as_mesh
 from .measure_table import SMALLER_IS_BETTER
 from .measures import lookup, measure
 
@@ -34,8 +35,7 @@ def summary(mesh: Mesh | StructuredGrid) -> dict[str, float]:
     {'smallest angle (degree)': 45.0, 'largest angle (degree)': 90.0, 'mean radius ratio': 1.207, \
 'worst scaled jacobian': 0.816}
     """
-    if isinstance(mesh, StructuredGrid):
-        mesh = mesh.to_mesh()
+    mesh = as_mesh(mesh)
     if mesh.dimension < 2:
         return {}
     planar = (
@@ -180,8 +180,7 @@ def report(mesh: Mesh | StructuredGrid, measures: Sequence[str] | None = None) -
     if isinstance(measures, str):
         measures = (measures,)
     what = repr(mesh)
-    if isinstance(mesh, StructuredGrid):
-        mesh = mesh.to_mesh()
+    mesh = as_mesh(mesh)
     names = DEFAULT_MEASURES.get(mesh.dimension, ()) if measures is None else tuple(measures)
     rows = ((name, _row(mesh, name)) for name in names)
     return QualityReport(what, {name: row for name, row in rows if row is not None})

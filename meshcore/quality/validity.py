@@ -11,6 +11,7 @@ import numpy as np
 from ..errors import GenerationFailed, InvalidInput
 from ..mesh import CELL_TYPES, Mesh, StructuredGrid
 from . import embedding
+from .given import as_mesh
 from .kept import missing_segments, same_points
 from .keys import cell_keys, directed_edges, directed_faces, point_keys, repeats
 from .orientation import positive
@@ -90,10 +91,8 @@ def validate(mesh: Mesh | StructuredGrid, boundary: Mesh | None = None, *, raise
     """
     if boundary is not None and not len(boundary.get("line")):
         raise InvalidInput(f"needs line cells, got {boundary!r}", parameter="boundary")
-    if isinstance(mesh, StructuredGrid):
-        examined, checks = _Examined(mesh.to_mesh()), (_orientation,)
-    else:
-        examined, checks = _Examined(mesh), _CHECKS
+    examined = _Examined(as_mesh(mesh))
+    checks = (_orientation,) if isinstance(mesh, StructuredGrid) else _CHECKS
     faults = [fault for check in checks for fault in check(examined)]
     if boundary is not None:
         faults += _boundary(examined, boundary)

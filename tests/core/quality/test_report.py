@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from meshcore import InvalidInput, Mesh, StructuredGrid, gallery, quality
+from meshcore import InvalidInput, Mesh, MultiBlock, StructuredGrid, gallery, quality
 
 
 def test_summary_of_triangles():
@@ -96,3 +96,14 @@ def test_a_report_of_nothing_and_of_unknown_names():
     assert str(quality.report(Mesh(np.empty((0, 3)), {})))
     with pytest.raises(InvalidInput, match="no measure"):
         quality.report(gallery.triangulated_square(2), ["beauty"])
+
+
+@pytest.mark.parametrize(
+    "ask", [quality.report, quality.summary, quality.validate, lambda mesh: quality.measure(mesh, "area")]
+)
+def test_what_is_no_mesh_is_refused_by_name(ask):
+    with pytest.raises(InvalidInput, match="mesh: needs a Mesh or StructuredGrid, got NoneType"):
+        ask(None)
+    grid = StructuredGrid(np.zeros((2, 2, 1, 3)))
+    with pytest.raises(InvalidInput, match="got MultiBlock; give one of its blocks"):
+        ask(MultiBlock([grid]))
