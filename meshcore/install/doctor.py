@@ -195,7 +195,7 @@ def _meshlab() -> Iterator[Finding]:
         return
     yield Finding("MeshLab", "pymeshlab", "ok", "installed")
     found = importlib.util.find_spec("meshlab_filters") is not None
-    state, detail = ("ok", "installed") if found else ("fails", "it comes with meshcore: pip install meshcore")
+    state, detail = ("ok", "installed") if found else ("fails", "part of meshcore: pip install . in a checkout")
     yield Finding("MeshLab", "meshlab_filters", state, detail)
 
 
