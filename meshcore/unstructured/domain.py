@@ -135,6 +135,8 @@ def domain(mesh: ConstrainedTriangulation, seeds: Seeds, max_area: float) -> Dom
     limit = np.full(mesh.n_faces, max_area)
     if len(region_faces):
         tag[region_faces] = seeds.tags
+        for k in np.flatnonzero((tag[region_faces] != seeds.tags) & (region_faces > 0)):
+            warnings.append(f"region {k} lies in one part with a later one, so its tag {seeds.tags[k]} has no effect")
         np.minimum.at(limit, region_faces, seeds.max_areas)
     else:
         tag[_by_first_line(mesh, keep, left, right)] = np.arange(1, keep.sum() + 1)

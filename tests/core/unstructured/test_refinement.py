@@ -306,3 +306,10 @@ def test_tags_that_are_no_integers_of_the_machine():
         delaunay_refinement(square(), regions=[[0.3, 0.4, 1e300]])
     tag = 2**53
     assert set(delaunay_refinement(square(), regions=[[0.3, 0.4, tag]]).mesh.cell_data["region"]) == {tag}
+
+
+def test_two_tags_in_one_region_are_told():
+    mesh, report = delaunay_refinement(square(), regions=[[0.2, 0.3, 1], [0.7, 0.8, 2]])
+    assert set(mesh.cell_data["region"]) == {2}
+    assert report.warnings == ["region 0 lies in one part with a later one, so its tag 1 has no effect"]
+    assert not delaunay_refinement(square(), regions=[[0.2, 0.3, 2], [0.7, 0.8, 2]]).report.warnings
