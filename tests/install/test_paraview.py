@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import shutil
+import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import NamedTuple
@@ -222,7 +223,7 @@ def test_the_floors_are_the_packages_own(root):
     ("program", "fault"),
     [
         ("/no/such/pvpython", "there is no such program"),
-        ("python3", "neither ParaView's nor"),
+        ("{python}", "neither ParaView's nor"),
         ("{file}", "does not run"),
     ],
 )
@@ -230,7 +231,7 @@ def test_a_program_that_is_no_paraview(home, program, fault):
     file = home.folder / "pvpython"
     file.write_text("no program")
     before = home.files()
-    done = home.meshcore("install", "paraview", "--pvpython", program.format(file=file))
+    done = home.meshcore("install", "paraview", "--pvpython", program.format(file=file, python=sys.executable))
     assert done.returncode == 1 and fault in done.stderr and done.stderr.count("\n") == 1
     assert home.files() == before
 

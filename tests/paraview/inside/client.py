@@ -7,7 +7,7 @@ import os
 import numpy as np
 import paraview.simple as pv
 from datasets import content, dimensions, fetched
-from harness import OUT, load_plugin, run_checks
+from harness import OUT, load_plugin, run_checks, save
 
 from meshcore import gallery, transfinite
 
@@ -42,7 +42,7 @@ def check_error_on_the_server_leaves_it_alive():
 
 def check_saved_by_the_server():
     path = str(OUT / "remote.vts")
-    pv.SaveData(path, proxy=pv.meshcoreTransfiniteInterpolation(South=pv.Plane(XResolution=3, YResolution=2)))
+    save(path, pv.meshcoreTransfiniteInterpolation(South=pv.Plane(XResolution=3, YResolution=2)))
     assert fetched(pv.XMLStructuredGridReader(FileName=[path])).GetNumberOfCells() == 6
 
 

@@ -80,3 +80,14 @@ def run_checks(namespace: dict) -> None:
                 outcomes[name] = traceback.format_exc()
                 print(outcomes[name], flush=True)
             result.write_text(json.dumps(outcomes))
+
+
+def save(path, proxy):
+    """Save a result in one of VTK's XML formats, so that any ParaView can read it again.
+
+    By default ParaView appends the data raw, and its version 5.11 cannot read that any more with the expat library
+    of an up-to-date Debian 12 (2.5.0-1+deb12u5).
+    """
+    from paraview.simple import SaveData
+
+    SaveData(str(path), proxy=proxy, DataMode="Binary")

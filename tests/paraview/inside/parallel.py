@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import paraview.simple as pv
 from datasets import of_mesh, producer
-from harness import OUT, load_plugin, rank, run_checks
+from harness import OUT, load_plugin, rank, run_checks, save
 from vtkmodules.vtkCommonCore import vtkIntArray
 from vtkmodules.vtkParallelCore import vtkCommunicator, vtkMultiProcessController
 
@@ -79,7 +79,7 @@ def check_quality_stays_distributed():
 def check_saved_in_parallel_and_read_again():
     proxy = pv.meshcoreTransfiniteInterpolation(South=distributed_square(), CellsI=8, CellsJ=4)
     path = str(OUT / "parallel.pvts")
-    pv.SaveData(path, proxy=proxy)
+    save(path, proxy)
     reader = pv.XMLPartitionedStructuredGridReader(FileName=[path])
     reader.UpdatePipeline()
     assert cells_in_all(reader) == 32

@@ -7,7 +7,7 @@ import gc
 import numpy as np
 import paraview.simple as pv
 from datasets import assert_same, content, dimensions, fetched, of_mesh, polylines, producer, texts, unstructured
-from harness import OUT, load_plugin, run_checks
+from harness import OUT, load_plugin, run_checks, save
 
 import meshcore
 from meshcore import gallery
@@ -88,7 +88,7 @@ def check_saved_and_read_again(operation):
     proxy, mesh = filter_and_call(operation)
     grid = isinstance(mesh, meshcore.StructuredGrid)
     path = str(OUT / f"{operation}.{'vts' if grid else 'vtu'}")
-    pv.SaveData(path, proxy=proxy)
+    save(path, proxy)
     reader = pv.XMLStructuredGridReader if grid else pv.XMLUnstructuredGridReader
     assert_same_mesh(fetched(reader(FileName=[path])), mesh)
 
@@ -157,7 +157,7 @@ def check_extent_follows_the_parameters_downstream():
         proxy.CellsI = cells
         assert dimensions(fetched(subset)) == (cells + 1, 4, 1)
         path = str(OUT / "extent.vts")
-        pv.SaveData(path, proxy=proxy)
+        save(path, proxy)
         assert dimensions(fetched(pv.XMLStructuredGridReader(FileName=[path]))) == (cells + 1, 4, 1)
     proxy.CellsI = proxy.CellsJ = 0
     plane.XResolution = 11  # a change of the input, not of the filter

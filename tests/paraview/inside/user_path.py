@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 from datasets import arrays, content, fetched
-from harness import OUT, PLUGIN, run_checks
+from harness import OUT, PLUGIN, run_checks, save
 from paraview.simple import *
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOImage import vtkPNGReader
@@ -84,7 +84,7 @@ def check_6_save_data_and_read_them_again():
         ("grid", "vts", XMLStructuredGridReader),
     ):
         path = str(OUT / f"{name}.{extension}")
-        SaveData(path, proxy=FindSource(name))
+        save(path, FindSource(name))
         again, before = fetched(reader(FileName=[path])), fetched(FindSource(name))
         np.testing.assert_array_equal(content(again)[0], content(before)[0])
         assert content(again)[1].keys() == content(before)[1].keys()
