@@ -23,8 +23,8 @@ HOST_NEEDS = ["numba", "scipy", "pytest", "meshio"]
 BLENDER = {"blender-5.0": ("3.11", "bpy==5.0.*"), "blender-5.2": ("3.13", "bpy==5.2.*")}
 PARAVIEW_PACKAGES = ["paraview", "python3-paraview", "python3-scipy", "xvfb", "xauth", "openmpi-bin"]
 # What VTK's and Blender's wheels open at run time, even without a display.
-GRAPHICS_PACKAGES = ["libgl1", "libopengl0", "libegl1", "libosmesa6", "libxrender1", "libxi6", "libxxf86vm1", "libxfixes3"]
-GRAPHICS_PACKAGES += ["libxkbcommon0", "libsm6", "libice6", "libxt6", "libxcursor1", "libgomp1"]
+GRAPHICS_PACKAGES = ["libgl1", "libopengl0", "libegl1", "libosmesa6", "libgomp1", "libxkbcommon0", "libsm6", "libice6"]
+GRAPHICS_PACKAGES += ["libxrender1", "libxi6", "libxxf86vm1", "libxfixes3", "libxt6", "libxcursor1"]
 
 
 def say(text: str) -> None:
