@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from .. import quality
-from ..errors import InvalidInput
+from ..errors import GenerationFailed, InvalidInput
 from ..geometry.plane import Plane, fitted_plane
 from ..mesh import Mesh
 from ..operation import Length, Param, Port, absolute, operation
@@ -45,7 +45,8 @@ def delaunay_refinement(
 ) -> Result:
     """Triangulate what closed loops of lines enclose, with no angle below a bound.
 
-    Closed loops nest by the even-odd rule: outline, hole, island. Lines that end inside an outline are kept as edges.
+    Closed loops nest by the even-odd rule: outline, hole, island; a loop that shares lines with another is a second
+    part beside it, not a hole. Lines that end inside an outline are kept as edges.
     All lines are kept, split where quality asks for it; where lines meet at an angle below the bound, that angle stays.
 
     ::
@@ -157,7 +158,14 @@ def _result(
     mesh = Mesh(points, {"triangle": number[refinement.corners]}, cell_data={"region": refinement.tags})
     left, right = triangulation.faces_beside
     pieces = triangulation.pieces[parts.keep[left] | parts.keep[right], :2]
-    quality.validate(mesh, Mesh(points, {"line": number[pieces]}))
+    try:
+        quality.validate(mesh, Mesh(points, {"line": number[pieces]}))
+    except GenerationFailed as error:
+        if not refinement.exhausted:
+            raise
+        raise GenerationFailed(
+            f"{_stopped(refinement, min_angle)} ({error})", cells=error.cells, partial=mesh
+        ) from error
     report = Report(
         counts={
             "points": mesh.n_points,
@@ -189,13 +197,18 @@ def _numbering(triangulation: ConstrainedTriangulation, refinement: Refinement):
     return number, source[old], added
 
 
+def _stopped(refinement: Refinement, min_angle: float) -> str:
+    """What to say of a refinement that spent its budget of points."""
+    return (
+        f"refinement was stopped after {refinement.splits + refinement.insertions:,} points, since it may never "
+        f"end; ask for less than min_angle = {min_angle:g}"
+    )
+
+
 def _warn(report: Report, mesh: Mesh, refinement: Refinement, min_angle: float) -> None:
     """Say in the report what the user should know."""
     if refinement.exhausted:
-        report.warnings.append(
-            f"refinement was stopped after {refinement.splits + refinement.insertions:,} points, since it may never "
-            f"end; ask for less than min_angle = {min_angle:g}"
-        )
+        report.warnings.append(_stopped(refinement, min_angle))
     if refinement.poor:
         report.warnings.append(
             f"{refinement.poor:,} triangles are not as asked"

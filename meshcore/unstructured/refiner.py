@@ -17,6 +17,8 @@ from .triangulation import grown
 
 _STEPS_A_CHUNK = 20_000
 MAX_TRIANGLES = 50_000_000
+SPARE_POINTS = 500_000
+"""Points that refinement may add beyond five times what size and area ask for, before it counts as endless."""
 # Mean area of the triangles that refinement makes: of size^2, and of the largest area allowed.
 _AREA_BY_SIZE = 0.2
 _AREA_BY_MAX_AREA = 0.6
@@ -207,7 +209,7 @@ class Refiner:
     def _refine(self) -> bool:
         """Refine what is queued; whether the budget of points was spent first."""
         scratch = self.mesh.triangulation.scratch
-        budget = int(5 * max(self.estimate, len(self.mesh.triangulation.order))) + 500_000
+        budget = int(5 * max(self.estimate, len(self.mesh.triangulation.order))) + SPARE_POINTS
         while True:
             made = int(self.state[kernels.VERTICES])
             advance(self.progress, min(0.95, 2 * made / self.estimate), "refining")

@@ -8,9 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import meshcore
-from meshcore import Cancelled, InvalidInput, Mesh, Relative, delaunay_refinement, quality
+from meshcore import Cancelled, GenerationFailed, InvalidInput, Mesh, Relative, delaunay_refinement, quality
 from meshcore.gallery import circle, joined, l_shape, square, square_with_hole
 from meshcore.sizing.size_field import graded
+from meshcore.unstructured import refiner
 from tests.core.unstructured import invariants
 from tests.core.unstructured.planar_graphs import comb, frame_mesh, framed_segments, loop_lines, loops, star_polygons
 
@@ -313,3 +314,19 @@ def test_two_tags_in_one_region_are_told():
     assert set(mesh.cell_data["region"]) == {2}
     assert report.warnings == ["region 0 lies in one part with a later one, so its tag 1 has no effect"]
     assert not delaunay_refinement(square(), regions=[[0.2, 0.3, 2], [0.7, 0.8, 2]]).report.warnings
+
+
+@pytest.mark.parametrize("height", [1e-9, 1e-12])
+def test_a_domain_too_thin_for_its_angle_says_so(height, monkeypatch):
+    monkeypatch.setattr(refiner, "SPARE_POINTS", 2000)
+    sliver = square().transformed(np.diag([1.0, height, 1, 1]))
+    try:
+        _, report = delaunay_refinement(sliver, min_angle=30)
+    except GenerationFailed as error:
+        told = str(error)
+    else:
+        assert not report.converged
+        told = report.warnings[0]
+    assert told.startswith("refinement was stopped after") and "less than min_angle = 30" in told
+    mesh, report = delaunay_refinement(sliver, min_angle=0)
+    assert mesh.n_cells == 2 and report.converged
