@@ -80,6 +80,7 @@ def check_saved_in_parallel_and_read_again():
     proxy = pv.meshcoreTransfiniteInterpolation(South=distributed_square(), CellsI=8, CellsJ=4)
     path = str(OUT / "parallel.pvts")
     save(path, proxy)
+    vtkMultiProcessController.GetGlobalController().Barrier()  # each rank writes its piece, and one of them the whole
     reader = pv.XMLPartitionedStructuredGridReader(FileName=[path])
     reader.UpdatePipeline()
     assert cells_in_all(reader) == 32
