@@ -1019,6 +1019,15 @@ class meshcoreTransfiniteInterpolation(Operation):
       <DoubleRangeDomain name="range" min="0"/>
       <Documentation>Largest area of a triangle; none by default; 0 leaves it out.</Documentation>
     </DoubleVectorProperty>
+    <IntVectorProperty name="Placement" label="Placement" command="SetPlacement" number_of_elements="1" default_values="0" panel_visibility="advanced">
+      <EnumerationDomain name="enum"><Entry value="0" text="automatic"/><Entry value="1" text="off-centre"/><Entry value="2" text="circumcentre"/></EnumerationDomain>
+      <Documentation>Where new points go inside.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="SplitBoundary" label="Split Boundary" command="SetSplitBoundary" number_of_elements="1" default_values="1" panel_visibility="advanced">
+      <BooleanDomain name="bool"/>
+      <Documentation>Lines may get points; without, angles and sizes near them are what the lines
+      allow.</Documentation>
+    </IntVectorProperty>
     <IntVectorProperty name="Crossings" label="Crossings" command="SetCrossings" number_of_elements="1" default_values="0" panel_visibility="advanced">
       <EnumerationDomain name="enum"><Entry value="0" text="refuse"/><Entry value="1" text="split"/></EnumerationDomain>
       <Documentation>What to do where lines cross: refuse, or split both.</Documentation>
@@ -1029,6 +1038,8 @@ class meshcoreTransfiniteInterpolation(Operation):
       <Property name="MaxArea"/>
     </PropertyGroup>
     <PropertyGroup label="Advanced">
+      <Property name="Placement"/>
+      <Property name="SplitBoundary"/>
       <Property name="Crossings"/>
     </PropertyGroup>
     """
@@ -1047,6 +1058,12 @@ class meshcoreDelaunayRefinement(Operation):
 
     def SetMaxArea(self, value):
         self.set("max_area", value or None)
+
+    def SetPlacement(self, value):
+        self.set("placement", ('automatic', 'off-centre', 'circumcentre')[value])
+
+    def SetSplitBoundary(self, value):
+        self.set("split_boundary", bool(value))
 
     def SetCrossings(self, value):
         self.set("crossings", ('refuse', 'split')[value])

@@ -35,6 +35,13 @@ def delaunay_refinement(
     ] = 30.0,
     size: Annotated[Length | None, Param("Largest edge length; none by default")] = None,
     max_area: Annotated[float | None, Param("Largest area of a triangle; none by default", min=0)] = None,
+    placement: Annotated[
+        Literal["automatic", "off-centre", "circumcentre"],
+        Param("Where new points go inside", advanced=True),
+    ] = "automatic",
+    split_boundary: Annotated[
+        bool, Param("Lines may get points; without, angles and sizes near them are what the lines allow", advanced=True)
+    ] = True,
     crossings: Annotated[
         Literal["refuse", "split"], Param("What to do where lines cross: refuse, or split both", advanced=True)
     ] = "refuse",
@@ -47,7 +54,8 @@ def delaunay_refinement(
 
     Closed loops nest by the even-odd rule: outline, hole, island; a loop that shares lines with another is a second
     part beside it, not a hole. Lines that end inside an outline are kept as edges.
-    All lines are kept, split where quality asks for it; where lines meet at an angle below the bound, that angle stays.
+    All lines are kept, split where quality asks for it and ``split_boundary`` allows it; where lines meet at an angle
+    below the bound, that angle stays.
 
     ::
 
@@ -71,6 +79,13 @@ def delaunay_refinement(
         No edge is longer.
     max_area : float, optional
         No triangle is larger; the square of the boundary's unit.
+    placement : {"automatic", "off-centre", "circumcentre"}
+        Where the point goes that removes a triangle: at its off-centre, near enough to the shortest edge to make a
+        triangle with just the angle asked for, which takes fewer points; or at its circumcentre, as the survey has
+        it. "automatic" takes what suits the limits.
+    split_boundary : bool
+        Whether lines may get points. If not, the boundary is kept as it is, bit by bit; triangles that its lines keep
+        from being as asked are counted in a warning.
     crossings : {"refuse", "split"}
         Lines that cross are an error, or are split where they cross.
     size_field : callable, optional
@@ -130,12 +145,14 @@ def delaunay_refinement(
         parts,
         min_angle=min_angle,
         size=np.inf if size is None else absolute(size, diagonal),
+        placement=placement,
+        split_boundary=split_boundary,
         size_field=None if size_field is None else lambda places: evaluated(size_field, plane.to_space(places)),
         progress=part_of(progress, 0.2, 0.9),
     )
     refinement = refiner.run()
     advance(progress, 0.9, "checking the mesh")
-    return _result(boundary, plane, mesh, parts, refinement, min_angle)
+    return _result(boundary, plane, mesh, parts, refinement, min_angle, split_boundary)
 
 
 def _line_cells(boundary: Mesh) -> np.ndarray:
@@ -151,6 +168,7 @@ def _result(
     parts: Domain,
     refinement: Refinement,
     min_angle: float,
+    split_boundary: bool,
 ) -> Result:
     """The mesh, checked, and its report."""
     number, kept, added = _numbering(triangulation, refinement)
@@ -177,7 +195,7 @@ def _result(
         converged=not (refinement.exhausted or refinement.poor),
         warnings=[*triangulation.graph.warnings, *parts.warnings],
     )
-    _warn(report, mesh, refinement, min_angle)
+    _warn(report, mesh, refinement, min_angle, split_boundary)
     return Result(mesh, report)
 
 
@@ -205,14 +223,16 @@ def _stopped(refinement: Refinement, min_angle: float) -> str:
     )
 
 
-def _warn(report: Report, mesh: Mesh, refinement: Refinement, min_angle: float) -> None:
+def _warn(report: Report, mesh: Mesh, refinement: Refinement, min_angle: float, split_boundary: bool) -> None:
     """Say in the report what the user should know."""
     if refinement.exhausted:
         report.warnings.append(_stopped(refinement, min_angle))
     if refinement.poor:
+        why = ", where coordinates cannot resolve smaller ones"
+        if not split_boundary:
+            why = " at lines that may not be split; give these more points, or allow split_boundary"
         report.warnings.append(
-            f"{refinement.poor:,} triangles are not as asked"
-            + ("" if refinement.exhausted else ", where coordinates cannot resolve smaller ones")
+            f"{refinement.poor:,} triangles are not as asked" + ("" if refinement.exhausted else why)
         )
     if report.quality["smallest angle (degree)"] >= min_angle - 1e-6:
         return

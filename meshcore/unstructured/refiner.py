@@ -68,6 +68,10 @@ class Refiner:
         Degrees.
     size : float
         Largest edge length, possibly infinite.
+    placement : {"automatic", "off-centre", "circumcentre"}
+        Where points go inside.
+    split_boundary : bool
+        Whether lines may get points.
     size_field : callable, optional
         (m, 2) places in the plane to (m,) largest edge lengths, already checked.
     """
@@ -79,6 +83,8 @@ class Refiner:
         *,
         min_angle: float,
         size: float,
+        placement: str,
+        split_boundary: bool,
         size_field: Callable[[np.ndarray], np.ndarray] | None,
         progress: Progress,
     ):
@@ -88,9 +94,13 @@ class Refiner:
         self.cosine2 = np.cos(np.radians(min_angle)) ** 2 if min_angle > 0 else np.inf
         self.has_angle = min_angle > 0
         unjudged = (size * self.scale) ** 2 if size * self.scale < _LONGEST else np.inf
-        self.limits = np.array([self.cosine2, _lens(min_angle), _off_centre(min_angle), unjudged])
+        height = 0.0 if placement == "circumcentre" else _off_centre(min_angle)
+        self.limits = np.array([self.cosine2, _lens(min_angle), height, unjudged])
         self._carve()
         self._allocate()
+        if not split_boundary:
+            flags = self.origin[3::4]
+            flags |= (flags & half_edges.CONSTRAINED) << 4
         self.estimate = self._estimated()
 
     # ---- setting up

@@ -177,6 +177,43 @@ def test_scale_does_not_matter(scale):
     assert (one.points * power == other.points).all()
 
 
+@pytest.mark.parametrize("placement", ["automatic", "off-centre", "circumcentre"])
+@pytest.mark.parametrize("limits", [{}, {"max_area": 0.01}, {"size": 0.1}])
+def test_placements(placement, limits):
+    mesh, report = delaunay_refinement(MODELS["l"], min_angle=25, placement=placement, **limits)
+    assert report.converged and not report.warnings
+    invariants.assert_is_triangulation(mesh)
+    invariants.assert_constrained_delaunay(mesh, MODELS["l"])
+    assert invariants.angles(mesh).min() >= 25 - 1e-9
+
+
+@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("placement", ["off-centre", "circumcentre"])
+@pytest.mark.parametrize("limits", [{}, {"max_area": 0.01}, {"size_field": lambda p: 0.05 + 0.1 * np.abs(p[:, 0])}])
+def test_a_boundary_that_may_not_be_split_stays(name, placement, limits):
+    boundary = MODELS[name]
+    mesh, report = delaunay_refinement(boundary, placement=placement, split_boundary=False, **limits)
+    invariants.assert_is_triangulation(mesh)
+    invariants.assert_constrained_delaunay(mesh, boundary)
+    assert (mesh.points[: boundary.n_points] == boundary.points).all()
+    assert report.counts["points added on lines"] == 0
+    edges = {tuple(edge) for edge in mesh.edges.tolist()}
+    assert {tuple(sorted(line)) for line in boundary.get("line").tolist()} <= edges
+    thin = int((invariants.angles(mesh).min(axis=1) < 30 - 1e-9).sum())
+    assert report.converged == (not report.warnings)
+    if thin:
+        told = int(report.warnings[0].split()[0].replace(",", ""))
+        assert not report.converged and told >= thin and "may not be split" in report.warnings[0]
+
+
+def test_spikes_that_may_not_be_split_end():
+    half = np.radians(1e-3) / 2
+    boundary = loops([(0, 0), (np.cos(half), -np.sin(half)), (1.0, 0.1), (np.cos(half), np.sin(half))])
+    mesh, report = delaunay_refinement(boundary, size=0.02, split_boundary=False)
+    assert not report.converged and mesh.n_cells < 20_000
+    invariants.assert_is_triangulation(mesh)
+
+
 def test_the_same_lines_give_the_same_mesh():
     one, other = (delaunay_refinement(square_with_hole(), size=0.05).mesh for _ in range(2))
     assert (one.points == other.points).all() and (one.cells["triangle"] == other.cells["triangle"]).all()
