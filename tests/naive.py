@@ -1,4 +1,7 @@
-"""Slow and obvious twins of what meshcore does fast: the tests hold one against the other."""
+"""Slow and obvious twins of what meshcore does fast: the tests hold one against the other.
+
+The twin of the Delaunay engine, with its rule for ties, stands in `naive_delaunay`.
+"""
 
 from __future__ import annotations
 
