@@ -8,6 +8,7 @@ import pytest
 
 from tests import naive, point_sets
 from tests import naive_delaunay as twin
+from tests.core.unstructured import delaunay_checks
 
 both = pytest.mark.parametrize("d", [2, 3])
 
@@ -134,3 +135,37 @@ def test_any_order_of_insertion_gives_the_same_cells(name, d):
             first = next(c for c in itertools.combinations(order, d + 1) if side(twin.exact(points), c[:-1], c[-1]))
             rest = [k for k in order if k not in first]
             assert inserted_one_by_one(points, [*first, *rest]) == cells
+
+
+def positive(points, cells):
+    """(m, d + 1) int: the cells, each turned so that its volume is positive."""
+    cells = np.array(sorted(cells))
+    turned = delaunay_checks.orientation(points, cells) < 0
+    cells[turned, :2] = cells[turned, 1::-1]
+    return cells
+
+
+@both
+@pytest.mark.parametrize("name", sorted(set(point_sets.PLANE) - {"duplicates"}))
+def test_local_checks_pass_on_the_twin_and_see_every_fault(name, d):
+    """The checks for large sets: a lost cell, a turned one, and another number for a corner must each be seen."""
+    points = point_sets.PLANE[name](13, d, np.random.default_rng(3))[:16]
+    cells = positive(points, twin.delaunay_cells(points))
+    delaunay_checks.assert_delaunay(points, cells)
+    for fault in range(len(cells)):
+        with pytest.raises(AssertionError):
+            delaunay_checks.assert_delaunay(points, np.delete(cells, fault, axis=0))
+    turned = cells.copy()
+    turned[0, :2] = turned[0, 1::-1]
+    with pytest.raises(AssertionError):
+        delaunay_checks.assert_delaunay(points, turned)
+
+
+@both
+def test_local_checks_see_another_tie(d):
+    """The Delaunay cells of other numbers are not those of the rule."""
+    points = point_sets.integer_grid(9 if d == 2 else 8, d, None)
+    order = np.random.default_rng(1).permutation(len(points))
+    back = positive(points, {tuple(sorted(order[list(c)].tolist())) for c in twin.delaunay_cells(points[order])})
+    with pytest.raises(AssertionError, match="inside the sphere"):
+        delaunay_checks.assert_delaunay(points, back)
