@@ -337,3 +337,27 @@ def segments_cross(a, b, c, d):
         return side(u, v, p) == 0 and box
 
     return lies_on(c, a, b) or lies_on(d, a, b) or lies_on(a, c, d) or lies_on(b, c, d)
+
+
+# ---- insertion order
+
+
+def first_of_equal(points):
+    """For each point the lowest row at its place."""
+    seen = {}
+    return [seen.setdefault(tuple(float(x) + 0.0 for x in p), row) for row, p in enumerate(points)]
+
+
+def splitmix64(row):
+    """The hash of Steele, Lea and Flood, in whole numbers without a limit."""
+    mask = 2**64 - 1
+    h = (row + 1) * 0x9E3779B97F4A7C15 & mask
+    h = (h ^ h >> 30) * 0xBF58476D1CE4E5B9 & mask
+    h = (h ^ h >> 27) * 0x94D049BB133111EB & mask
+    return h ^ h >> 31
+
+
+def insertion_round(row, last):
+    """``last`` minus the number of coins, the hash's lowest bits, that fell on one before the first zero."""
+    coins = f"{splitmix64(row):064b}"[::-1]
+    return max(0, last - coins.index("0"))
