@@ -5,6 +5,7 @@ __version__ = "0.1.0"
 from . import adapt, io, quality
 from .adapt import refined
 from .errors import Cancelled, GenerationFailed, InvalidGeometry, InvalidInput, MeshcoreError, MissingLibrary
+from .geometry.location import locate
 from .mesh import Mesh, MultiBlock, StructuredGrid
 from .operation import Length, Relative, operations
 from .progress import Progress, silent
@@ -31,6 +32,7 @@ __all__ = [
     "delaunay_2d",
     "delaunay_refinement",
     "io",
+    "locate",
     "o_grid",
     "operations",
     "quality",

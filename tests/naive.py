@@ -361,3 +361,59 @@ def insertion_round(row, last):
     """``last`` minus the number of coins, the hash's lowest bits, that fell on one before the first zero."""
     coins = f"{splitmix64(row):064b}"[::-1]
     return max(0, last - coins.index("0"))
+
+
+# ---- point location: every cell tried in turn, by exact numbers
+
+
+def _exact_rows(*points) -> list[list[Fraction]]:
+    rows = [[Fraction(float(x)) for x in p] for p in points]
+    return [[int(x) if x.denominator == 1 else x for x in p] for p in rows]
+
+
+def _orientation(corners: list[list[Fraction]]) -> Fraction:
+    """Positive for a counter-clockwise triangle, or a tetrahedron in VTK's order."""
+    rows = [[x - y for x, y in zip(p, corners[0], strict=True)] for p in corners[1:]]
+    if len(rows) == 2:
+        return rows[0][0] * rows[1][1] - rows[0][1] * rows[1][0]
+    return sum(rows[0][k] * (rows[1][k - 2] * rows[2][k - 1] - rows[1][k - 1] * rows[2][k - 2]) for k in range(3))
+
+
+def located(points, cells, queries):
+    """(m,) the first cell that holds each query, or -1, and the exact weights of its corners."""
+    found, weights = [], []
+    corners = _exact_rows(*points)
+    for q in _exact_rows(*queries):
+        found.append(-1)
+        weights.append(None)
+        for number, cell in enumerate(cells):
+            simplex = [corners[k] for k in cell]
+            size = _orientation(simplex)
+            if size == 0:
+                continue
+            share = [Fraction(_orientation([*simplex[:k], q, *simplex[k + 1 :]]), size) for k in range(len(simplex))]
+            if min(share) >= 0:
+                found[-1], weights[-1] = number, share
+                break
+    return found, weights
+
+
+def nearest_on_simplex(corners, point):
+    """Distance from a point to a point, segment or triangle: the least over its inside, its edges and its corners."""
+    corners = [np.asarray(c, float) for c in corners]
+    least = min(float(np.linalg.norm(point - c)) for c in corners)
+    for a, b in itertools.combinations(corners, 2):
+        along = b - a
+        if along @ along > 0:
+            t = (point - a) @ along / (along @ along)
+            if 0 <= t <= 1:
+                least = min(least, float(np.linalg.norm(point - a - t * along)))
+    if len(corners) == 3:
+        a, b, c = corners
+        normal = np.cross(b - a, c - a)
+        if normal @ normal > 1e-20:
+            foot = point - (point - a) @ normal / (normal @ normal) * normal
+            sides = [np.cross(v - u, foot - u) @ normal for u, v in ((a, b), (b, c), (c, a))]
+            if min(sides) >= 0:
+                least = min(least, float(np.linalg.norm(point - foot)))
+    return least
