@@ -36,11 +36,15 @@ INSPHERE_BOUND = (16 + 224 * EPSILON) * EPSILON
 DOUBLE_DOUBLE_BOUND = 2.0**-98
 SPLITTER = 2.0**27 + 1
 
-# Places in the work array. Entries of the matrix are (high, low), 4 columns a row; minors (high, low, permanent).
+# Places in the work array. First the permanents up to which the plain determinants of doubles are exact, since all
+# coordinates are multiples of one quantum (`predicates.workspace`); zero if there is none. A permanent of zero is
+# always exact: all products are zero then.
+EXACT_ORIENT2D, EXACT_INCIRCLE, EXACT_ORIENT3D, EXACT_INSPHERE = 0, 1, 2, 3
+# Entries of the matrix are (high, low), 4 columns a row; minors (high, low, permanent).
 # The longest expansions: a difference has 2 terms, a 2 x 2 minor 2 * (2 * 2 * 2) = 16, a 3 x 3 minor
 # 3 * (2 * 2 * 16) = 192, a lift 3 * (2 * 2 * 2) = 24, the whole 4 * (2 * 24 * 192) = 36864. These hold whatever the
 # numbers are, even if they are not finite.
-_ENTRIES = 0
+_ENTRIES = 4
 _MINORS = _ENTRIES + 2 * 16
 _ENTRY_LENGTHS = _MINORS + 3 * 16
 _MINOR_LENGTHS = _ENTRY_LENGTHS + 16
@@ -340,12 +344,56 @@ def _set_entry(work, row, column, a, b):
     work[_ENTRIES + 2 * (4 * row + column) + 1] = low
 
 
+# ---- the range and the grid of coordinates
+
+
+@kernel
+def magnitudes(numbers, found):
+    """Write the smallest and the largest magnitude but zero (infinity and 0 without any); return if all are finite."""
+    smallest = np.inf
+    largest = 0.0
+    finite = True
+    for x in numbers:
+        magnitude = abs(x)
+        finite = finite and magnitude < np.inf  # false for NaN, too
+        largest = max(largest, magnitude)
+        smallest = min(smallest, magnitude if magnitude > 0.0 else np.inf)
+    found[0] = smallest
+    found[1] = largest
+    return finite
+
+
+@kernel
+def quantum(numbers, largest, smallest):
+    """The largest power of two, not above ``largest``, that divides all numbers; 0 if it is below ``smallest``.
+
+    Both limits are powers of two.
+    """
+    inverse = 1.0 / largest
+    for x in numbers:
+        while x * inverse != np.floor(x * inverse):
+            inverse *= 2.0
+            if inverse * smallest > 1.0:
+                return 0.0
+    return 1.0 / inverse
+
+
 # ---- the predicates
 
 
 @kernel
 def orient2d_exact(ax, ay, bx, by, cx, cy, work):
-    """`orient2d` by stages B and C."""
+    """`orient2d` where stage A fails: by the quantum, by one exact subtraction, or by stages B and C."""
+    acx, acy, bcx, bcy = ax - cx, ay - cy, bx - cx, by - cy
+    left = acx * bcy
+    right = acy * bcx
+    if abs(left) + abs(right) <= work[EXACT_ORIENT2D]:
+        return left - right
+    if two_sum(ax, -cx)[1] == two_sum(ay, -cy)[1] == two_sum(bx, -cx)[1] == two_sum(by, -cy)[1] == 0.0:
+        # The differences are exact. Rounding is monotonic, so different products of doubles are in their true order.
+        left, left_low = two_product(acx, bcy)
+        right, right_low = two_product(acy, bcx)
+        return left - right if left != right else left_low - right_low
     _set_entry(work, 0, 0, ax, cx)
     _set_entry(work, 0, 1, ay, cy)
     _set_entry(work, 1, 0, bx, cx)
@@ -366,7 +414,19 @@ def orient2d(ax, ay, bx, by, cx, cy, work):
 
 @kernel
 def incircle_exact(ax, ay, bx, by, cx, cy, dx, dy, work):
-    """`incircle` by stages B and C."""
+    """`incircle` where stage A fails: by the quantum, as a rectangle, or by stages B and C."""
+    adx, ady = ax - dx, ay - dy
+    bdx, bdy = bx - dx, by - dy
+    cdx, cdy = cx - dx, cy - dy
+    bc, cb = bdx * cdy, cdx * bdy
+    ca, ac = cdx * ady, adx * cdy
+    ab, ba = adx * bdy, bdx * ady
+    a_lift = adx * adx + ady * ady
+    b_lift = bdx * bdx + bdy * bdy
+    c_lift = cdx * cdx + cdy * cdy
+    permanent = (abs(bc) + abs(cb)) * a_lift + (abs(ca) + abs(ac)) * b_lift + (abs(ab) + abs(ba)) * c_lift
+    if permanent <= work[EXACT_INCIRCLE]:
+        return a_lift * (bc - cb) + b_lift * (ca - ac) + c_lift * (ab - ba)
     _set_entry(work, 0, 0, ax, dx)
     _set_entry(work, 0, 1, ay, dy)
     _set_entry(work, 1, 0, bx, dx)

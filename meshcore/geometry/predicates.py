@@ -24,13 +24,29 @@ together below 4 * 18 * 2^1015 < 2^1022: neither determinant nor permanent overf
 factors, minors and entries of degree 3 at most, by 2^27 + 1 to split them: far below."""
 
 
-def workspace() -> np.ndarray:
+# A quantum smaller than this part of the largest coordinate is of no use: no permanent would be below its limits.
+_SMALLEST_QUANTUM = 2.0**-40
+
+
+def workspace(quantum: float = 0.0) -> np.ndarray:
     """Scratch array for the predicate kernels; each thread needs its own.
+
+    Parameters
+    ----------
+    quantum : float
+        A power of two of which all coordinates are multiples, or 0 if unknown (`quantum_of`). With it, determinants
+        of points near each other, on a grid say, are known to be exact in doubles.
 
     Returns
     -------
     work : (k,) float
         Its contents do not matter.
+
+    Notes
+    -----
+    If all coordinates are multiples of q, a term of degree d of the determinant is a multiple of q^d. Where the
+    permanent is below 2^53 q^d, so are all partial sums and all factors of terms that are not zero: nothing is rounded.
+    Two powers are left for the rounding of the permanent itself.
 
     Examples
     --------
@@ -38,7 +54,42 @@ def workspace() -> np.ndarray:
     >>> kernels.orient2d(0.0, 0.0, 1.0, 0.0, 0.0, 1.0, workspace()) > 0
     True
     """
-    return np.zeros(kernels.WORK_SIZE)
+    work = np.zeros(kernels.WORK_SIZE)
+    for place, degree in (
+        (kernels.EXACT_ORIENT2D, 2),
+        (kernels.EXACT_INCIRCLE, 4),
+        (kernels.EXACT_ORIENT3D, 3),
+        (kernels.EXACT_INSPHERE, 5),
+    ):
+        work[place] = 2.0**51 * quantum**degree
+    return work
+
+
+def quantum_of(points: np.ndarray) -> float:
+    """The largest power of two of which all coordinates are multiples.
+
+    Parameters
+    ----------
+    points : (n, 2) or (n, 3) float
+        C-contiguous and safe, see `rescaled`.
+
+    Returns
+    -------
+    quantum : float
+        0 if it is too small, beside the largest coordinate, to be of use.
+
+    Examples
+    --------
+    >>> quantum_of(np.array([[0.5, 3.0], [1.25, 2.0]])), quantum_of(np.array([[0.1, 0.2]]))
+    (0.25, 0.0)
+    """
+    numbers = points.reshape(-1)
+    found = np.zeros(2)
+    kernels.magnitudes(numbers, found)
+    if found[1] == 0.0:
+        return 0.0
+    largest = 2.0 ** (np.frexp(found[1])[1] - 1)
+    return kernels.quantum(numbers, largest, largest * _SMALLEST_QUANTUM)
 
 
 def rescaled(points: np.ndarray) -> tuple[np.ndarray, int]:
@@ -73,6 +124,10 @@ def rescaled(points: np.ndarray) -> tuple[np.ndarray, int]:
     994
     """
     points = np.ascontiguousarray(points, dtype=np.float64)
+    found = np.zeros(2)
+    finite = kernels.magnitudes(points.reshape(-1), found)
+    if finite and found[0] >= 2.0 ** (LOWEST_BIT + 53) and found[1] < 2.0**HIGHEST_BIT:
+        return points, 0
     bad = np.argwhere(~np.isfinite(points))
     if len(bad):
         raise InvalidGeometry(

@@ -249,3 +249,36 @@ def test_kernels_stay_in_their_workspace_on_any_number(name):
     with np.errstate(all="ignore"):
         getattr(kernels, f"{name}_signs")(rows, found, guarded[: kernels.WORK_SIZE])
     assert (guarded[kernels.WORK_SIZE :] == 77.0).all()
+
+
+@pytest.mark.parametrize("name", DIMENSION)
+@pytest.mark.parametrize("quantum", [1.0, 2.0**-30, 2.0**40])
+def test_determinants_on_a_grid_are_exact_in_doubles_up_to_the_limit_and_everywhere(name, quantum):
+    dimension, count = DIMENSION[name], POINTS[name]
+    rng = np.random.default_rng(7)
+    # From grids whose determinants fit doubles to such as do not.
+    size = 2.0 ** rng.integers(1, 27, (4000, 1, 1))
+    cells = np.floor(rng.random((4000, count, dimension)) * size)
+    tests = quantum * np.concatenate([cells, np.floor(cells / (size / 2))])
+    work = predicates.workspace(quantum)
+    found = np.zeros(len(tests), np.int8)
+    getattr(kernels, f"{name}_signs")(np.ascontiguousarray(tests.reshape(len(tests), -1)), found, work)
+    np.testing.assert_array_equal(found, getattr(naive, name)(tests))
+
+
+@settings(max_examples=200)
+@given(
+    st.lists(st.tuples(st.integers(-(2**20), 2**20), st.integers(0, 19)), min_size=2, max_size=8), st.integers(-90, 90)
+)
+def test_the_quantum_divides_all_coordinates_and_is_the_largest_that_does(parts, scale):
+    values = [n * 2**e for n, e in parts]
+    points = np.ldexp(np.array([values, values], float), scale)[:, : len(values) // 2 * 2].reshape(-1, 2)
+    used = [n for n in values[: len(values) // 2 * 2] if n]
+    found = predicates.quantum_of(points)
+    if not used:
+        assert found == 0.0
+        return
+    largest = max(map(abs, used)).bit_length() - 1
+    divides = [e for e in range(-4, 64) if all((n * 16) % 2 ** (e + 4) == 0 for n in used) and e <= largest]
+    expected = max(divides) if max(divides) >= largest - 40 else None
+    assert found == (0.0 if expected is None else 2.0 ** (expected + scale))
