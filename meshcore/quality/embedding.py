@@ -107,20 +107,20 @@ def _crosses(plane: np.ndarray, one: np.ndarray, other: np.ndarray) -> np.ndarra
     return sides[0] * sides[1] < 0
 
 
-def chain_representatives(edges: np.ndarray, n_points: int) -> np.ndarray:
+def chain_representatives(edges: np.ndarray) -> np.ndarray:
     """(c,) int: one edge of each chain, where chains are cut at points that have more than two edges.
 
     Examples
     --------
-    >>> chain_representatives(np.array([[0, 1], [1, 2], [2, 0], [2, 3], [3, 4], [4, 2]]), 5).tolist()
+    >>> chain_representatives(np.array([[0, 1], [1, 2], [2, 0], [2, 3], [3, 4], [4, 2]])).tolist()
     [0, 3]
     """
-    degree = np.bincount(edges.ravel(), minlength=n_points)
-    ends = edges.T.ravel()
+    ends = np.unique(edges.T, return_inverse=True)[1].ravel()
+    degree = np.bincount(ends)
     number = np.tile(np.arange(len(edges)), 2)
     simple = degree[ends] == 2
     links = np.column_stack([number[simple], len(edges) + ends[simple]])
-    label = topology.connected(links, len(edges) + n_points)
+    label = topology.connected(links, len(edges) + len(degree))
     return np.sort(np.unique(label[: len(edges)], return_index=True)[1])
 
 

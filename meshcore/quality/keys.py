@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..mesh import CELL_TYPES, Mesh
+from . import _edge_kernels as kernels
 
 
 def directed_edges(mesh: Mesh) -> np.ndarray:
@@ -18,14 +19,20 @@ def directed_edges(mesh: Mesh) -> np.ndarray:
     >>> [(key // 2 // 3, key // 2 % 3, key % 2) for key in directed_edges(mesh).tolist()]
     [(0, 1, 0), (0, 2, 1), (1, 2, 0)]
     """
-    parts = []
-    for kind, cells in mesh.cells.items():
-        if CELL_TYPES[kind].dimension == 2:
-            nodes = np.ascontiguousarray(cells.T)
-            for i, j in CELL_TYPES[kind].edges:
-                smaller, larger = np.minimum(nodes[i], nodes[j]), np.maximum(nodes[i], nodes[j])
-                parts.append(2 * (mesh.n_points * smaller + larger) + (nodes[i] > nodes[j]))
-    return np.sort(np.concatenate(parts)) if parts else np.empty(0, np.int64)
+    n = mesh.n_points
+    flat = [(c, len(CELL_TYPES[kind].edges)) for kind, c in mesh.cells.items() if CELL_TYPES[kind].dimension == 2]
+    start = np.zeros(n + 1, np.int64)
+    for cells, corners in flat:
+        kernels.count_edges(cells, corners, start)
+    np.cumsum(start, out=start)
+    keys = np.empty(start[-1], np.int64)
+    place = start[:-1].copy()
+    for cells, corners in flat:
+        kernels.fill_edges(cells, corners, n, place, keys)
+    long_rows = np.empty(len(keys) // kernels.SHORT, np.int64)
+    for v in long_rows[: kernels.sort_rows(start, keys, long_rows)]:
+        keys[start[v] : start[v + 1]].sort()
+    return keys
 
 
 def directed_faces(mesh: Mesh) -> np.ndarray:

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..geometry import predicates
 from ..mesh import CELL_TYPES, Mesh
+from . import _triangle_kernels as kernels
 from . import solid
 from .vectors import corners as corners_of
 from .vectors import cross, dot, squared
@@ -66,22 +67,21 @@ def determinant_sign(points: np.ndarray, simplices: np.ndarray) -> np.ndarray:
     >>> determinant_sign(np.array([[0.0, 0], [0.1, 0.1], [0.3, 0.3]]), np.array([[0, 1, 2]]))
     array([0])
     """
+    if points.shape[1] == 2:
+        sign = np.empty(len(simplices), np.int8)
+        triangles = np.ascontiguousarray(simplices, dtype=np.int64)
+        unsure = kernels.area_signs(np.ascontiguousarray(points), triangles, sign)
+        if unsure:
+            unsure = np.flatnonzero(sign == kernels.UNSURE)
+            sign[unsure] = predicates.orient2d(*(points[nodes] for nodes in simplices[unsure].T))
+        return sign.astype(int)
     with np.errstate(over="ignore", invalid="ignore"):  # infinite and nan values go to the exact stage
-        value, bound = (_area_and_bound if points.shape[1] == 2 else _volume_and_bound)(points, simplices)
+        value, bound = _volume_and_bound(points, simplices)
     sign = np.sign(value).astype(int)
     unsure = np.flatnonzero(~(np.abs(value) > bound))
     if len(unsure):
-        exact = predicates.orient2d if points.shape[1] == 2 else predicates.orient3d
-        sign[unsure] = exact(*(points[nodes] for nodes in simplices[unsure].T))
+        sign[unsure] = predicates.orient3d(*(points[nodes] for nodes in simplices[unsure].T))
     return sign
-
-
-def _area_and_bound(points: np.ndarray, simplices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    x, y = np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1])
-    a, b, c = np.ascontiguousarray(simplices.T)
-    left = (x[a] - x[c]) * (y[b] - y[c])
-    right = (y[a] - y[c]) * (x[b] - x[c])
-    return left - right, (3 + 16 * _UNIT) * _UNIT * (np.abs(left) + np.abs(right))
 
 
 def _volume_and_bound(points: np.ndarray, simplices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

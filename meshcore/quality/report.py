@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..mesh import CELL_TYPES, Mesh, StructuredGrid
+from . import _triangle_kernels as kernels
 from .given import as_mesh
 from .measure_table import SMALLER_IS_BETTER
 from .measures import lookup, measure
@@ -50,10 +51,26 @@ def summary(mesh: Mesh | StructuredGrid) -> dict[str, float]:
         ("worst scaled jacobian", "scaled_jacobian", np.min),
     )
     highest = {kind: cells for kind, cells in mesh.cells.items() if CELL_TYPES[kind].dimension == mesh.dimension}
+    if list(highest) == ["triangle"] and (fast := _summary_of_triangles(mesh)):
+        return fast
     top = Mesh(mesh.points, highest)
     values = {label: (measure(top, name), reduce) for label, name, reduce in (planar if mesh.dimension == 2 else solid)}
     found = {label: (v[~np.isnan(v)], reduce) for label, (v, reduce) in values.items()}
     return {label: float(reduce(v)) for label, (v, reduce) in found.items() if len(v)}
+
+
+def _summary_of_triangles(mesh: Mesh) -> dict[str, float]:
+    """The same by one fused pass; empty where numbers are extreme."""
+    found = np.zeros(kernels.SUMMARY_SIZE)
+    cells = mesh.cells["triangle"]
+    if not len(cells) or not kernels.summarise(mesh.points, cells, found):
+        return {}
+    return {
+        "smallest angle (degree)": float(found[kernels.SMALLEST_ANGLE]),
+        "largest angle (degree)": float(found[kernels.LARGEST_ANGLE]),
+        "mean radius ratio": float(found[kernels.SUM_OF_RADIUS_RATIOS]) / len(cells),
+        "worst scaled jacobian": float(found[kernels.WORST_JACOBIAN]),
+    }
 
 
 DEFAULT_MEASURES = {

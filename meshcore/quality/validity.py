@@ -10,10 +10,12 @@ import numpy as np
 
 from ..errors import GenerationFailed, InvalidInput
 from ..mesh import CELL_TYPES, Mesh, StructuredGrid
+from . import _edge_kernels as edge_kernels
+from . import _repeat_kernels as repeat_kernels
 from . import embedding
 from .given import as_mesh
 from .kept import missing_segments, same_points
-from .keys import cell_keys, directed_edges, directed_faces, point_keys, repeats
+from .keys import cell_keys, directed_edges, directed_faces, repeats
 from .orientation import positive
 
 _NONE = np.empty(0, np.int64)
@@ -116,10 +118,12 @@ class _Examined:
         mesh = self.mesh
         if mesh.dimension != 2:
             return None
-        flat = np.flatnonzero(np.ptp(mesh.points, axis=0) == 0)
+        flat = np.flatnonzero(mesh.bounds[0] == mesh.bounds[1])
         if len(flat):
             axis = flat[-1]
-            plane = mesh.points[:, [(axis + 1) % 3, (axis + 2) % 3]]
+            # A slice is copied faster than chosen columns.
+            plane = mesh.points[:, :2] if axis == 2 else mesh.points[:, [(axis + 1) % 3, (axis + 2) % 3]]
+            plane = np.ascontiguousarray(plane)
             # The plane z = 0 has an upper side; any other plane is seen from where most of the mesh is positive.
             return plane if mesh.is_planar or _signed_area(mesh, plane) > 0 else plane[:, ::-1]
         centred = mesh.points - mesh.points.mean(axis=0)
@@ -132,8 +136,9 @@ class _Examined:
     @cached_property
     def rounding(self) -> float:
         """Length below which a distance in the plane is rounding."""
-        scale = float(np.abs(self.mesh.points).max(initial=0.0))
-        exact = (np.ptp(self.mesh.points, axis=0) == 0).any()
+        bounds = self.mesh.bounds
+        scale = float(np.abs(bounds).max())
+        exact = (bounds[0] == bounds[1]).any()
         return (4 if exact else 64) * np.finfo(float).eps * scale
 
     @cached_property
@@ -144,12 +149,13 @@ class _Examined:
     @cached_property
     def boundary_edges(self) -> np.ndarray:
         """(b, 2) int: edges of one cell, as the cell runs along them."""
-        key = self.edge_keys >> 1
-        new = np.concatenate([[True], key[1:] != key[:-1], [True]])
-        single = self.edge_keys[new[:-1] & new[1:]]
-        smaller, larger = np.divmod(single >> 1, self.mesh.n_points)
-        turned = (single & 1).astype(bool)
-        return np.column_stack([np.where(turned, larger, smaller), np.where(turned, smaller, larger)])
+        room = 1 << 16
+        while True:
+            edges = np.empty((room, 2), np.int64)
+            count = edge_kernels.unmatched_edges(self.edge_keys, self.mesh.n_points, edges)
+            if count <= room:
+                return edges[:count]
+            room = count
 
     @cached_property
     def orientation(self) -> np.ndarray:
@@ -168,12 +174,12 @@ class _Examined:
         """(k,) int: for each directed edge, a cell that runs along it."""
         wanted, asked = np.unique(edges[:, 0] * self.mesh.n_points + edges[:, 1], return_inverse=True)
         owner = np.full(len(wanted), -1)
+        starts = np.zeros(self.mesh.n_points, bool)
+        starts[edges[:, 0]] = True
         for kind, cells, where in self.mesh.blocks():
             if CELL_TYPES[kind].dimension == 2:
-                for i, j in CELL_TYPES[kind].edges:
-                    key = cells[:, i] * self.mesh.n_points + cells[:, j]
-                    hit = np.flatnonzero(np.isin(key, wanted))
-                    owner[np.searchsorted(wanted, key[hit])] = where.start + hit
+                corners = len(CELL_TYPES[kind].edges)
+                repeat_kernels.cells_along(cells, corners, self.mesh.n_points, starts, wanted, owner, where.start)
         return owner[asked]
 
 
@@ -246,7 +252,7 @@ def _same_side(mesh: Mesh, nodes: np.ndarray, neighbour: np.ndarray) -> np.ndarr
 def _orphans(examined: _Examined) -> Iterator[Fault]:
     used = np.zeros(examined.mesh.n_points, bool)
     for cells in examined.mesh.cells.values():
-        used[cells.ravel()] = True
+        repeat_kernels.mark_used(cells, used)
     bad = np.flatnonzero(~used)
     if len(bad):
         what = _many(len(bad), "point belongs", "points belong")
@@ -257,10 +263,11 @@ def _orphans(examined: _Examined) -> Iterator[Fault]:
 
 def _duplicates(examined: _Examined) -> Iterator[Fault]:
     points = examined.mesh.points
-    bad = np.flatnonzero(repeats(point_keys(points)))
-    if len(bad):  # look at the coordinates themselves: different points may share a key
-        _, group, count = np.unique(points[bad] + 0.0, axis=0, return_inverse=True, return_counts=True)
-        bad = bad[count[group.ravel()] > 1]
+    bits = max(len(points), 1).bit_length() + 1
+    repeated = np.zeros(len(points), bool)
+    table = np.full(1 << bits, -1, np.int32)
+    count = repeat_kernels.repeated_points(points.view(np.uint64), 64 - bits, table, repeated)
+    bad = np.flatnonzero(repeated) if count else _NONE
     if len(bad):
         place = points[bad[0]]
         yield Fault("duplicate points", f"{len(bad):,} points share their places with others: {_at(place)}", points=bad)
@@ -268,7 +275,11 @@ def _duplicates(examined: _Examined) -> Iterator[Fault]:
 
 def _repeated(examined: _Examined) -> Iterator[Fault]:
     mesh, bad = examined.mesh, []
-    for _, cells, where in mesh.blocks():
+    # Two positive cells in the plane with the same nodes would run along the same edges.
+    different = examined.plane is not None and examined.conforming and examined.orientation.all()
+    for kind, cells, where in mesh.blocks():
+        if different and CELL_TYPES[kind].dimension == 2:
+            continue
         again = np.flatnonzero(repeats(cell_keys(cells)))
         if len(again):
             _, group, count = np.unique(np.sort(cells[again], 1), axis=0, return_inverse=True, return_counts=True)
@@ -299,7 +310,7 @@ def _overlap(examined: _Examined) -> Iterator[Fault]:
         what = _many(len(crossing), "pair of boundary edges crosses", "pairs of boundary edges cross")
         yield Fault("overlap", f"{what}: {_cell_at(mesh, cells[0])}", cells)
     if not len(hanging) and not len(crossing):
-        cells = examined.cells_with(edges[embedding.chain_representatives(edges, mesh.n_points)])
+        cells = examined.cells_with(edges[embedding.chain_representatives(edges)])
         centres = np.array([plane[_nodes_of(mesh, cell)].mean(axis=0) for cell in cells]).reshape(-1, 2)
         cells = np.unique(cells[embedding.degree_at(plane, edges, centres) != 1])
         if len(cells):
@@ -315,11 +326,7 @@ def _nodes_of(mesh: Mesh, cell: int) -> np.ndarray:
 def _boundary(examined: _Examined, boundary: Mesh) -> Iterator[Fault]:
     mesh, lines = examined.mesh, boundary.get("line")
     n = mesh.n_points
-    if mesh.dimension == 2:
-        key = examined.edge_keys >> 1
-        edges = key[np.concatenate([[True], key[1:] != key[:-1]])] if len(key) else key
-    else:
-        edges = mesh.edges @ np.array([n, 1])
+    edges = examined.edge_keys if mesh.dimension == 2 else mesh.edges @ np.array([2 * n, 2])
     lost = missing_segments(mesh.points, edges, same_points(mesh.points, boundary.points), lines)
     if len(lost):
         start = next(where.start for kind, _, where in boundary.blocks() if kind == "line")

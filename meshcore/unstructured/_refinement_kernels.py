@@ -81,7 +81,7 @@ def is_between_neighbours(xy, pieces, p, q, piece_p, piece_q):
     return 0.999 * to_q < to_p < 1.001 * to_q
 
 
-@kernel
+@kernel(inline=True)
 def queue_if_poor(
     t, xy, origin, twin, stands_on, pieces, face, edge_limit, area_limit, limits, queue, head, tail, encroached, state
 ):
@@ -205,8 +205,9 @@ def refine(
             state[PENDING] = pending
             return FULL
         for k in range(pending):
+            t = int(cavity[U(k)]) >> 2
             queue_if_poor(
-                int(cavity[U(k)]) >> 2, xy, origin, twin, stands_on, pieces, face, edge_limit, area_limit, limits,
+                t, xy, origin, twin, stands_on, pieces, face, edge_limit, area_limit, limits,
                 queue, head, tail, encroached, state,
             )  # fmt: skip
         pending = 0
