@@ -12,7 +12,7 @@ _ZERO = np.uint64(0)
 
 @kernel
 def repeated_points(bits, shift, table, repeated):
-    """Mark each point whose coordinates, as 64-bit patterns, stand more than once; return how many repeat an earlier one.
+    """Mark points whose coordinates, as 64-bit patterns, stand more than once; return how many repeat earlier ones.
 
     ``table``, filled with -1, has 2^(64 - shift) places, at least twice as many as there are points; collisions go to
     the next place. The hash is Fibonacci's (Knuth, The Art of Computer Programming 3, section 6.4).
