@@ -11,7 +11,7 @@ from .operation import Length, Relative, operations
 from .progress import Progress, silent
 from .report import Report, Result
 from .structured import o_grid, transfinite
-from .unstructured import delaunay_2d, delaunay_refinement
+from .unstructured import constrained_delaunay, delaunay_2d, delaunay_refinement
 
 __all__ = [
     "Cancelled",
@@ -29,6 +29,7 @@ __all__ = [
     "Result",
     "StructuredGrid",
     "adapt",
+    "constrained_delaunay",
     "delaunay_2d",
     "delaunay_refinement",
     "io",

@@ -204,6 +204,7 @@ def arguments(identifier: str) -> tuple[tuple[Any, ...], dict[str, Any]]:
     calls: dict[str, tuple[tuple[Any, ...], dict[str, Any]]] = {
         "o_grid": ((airfoil("naca0012"),), {"radius": 4.0, "first_height": 0.01, "growth": 1.3}),
         "transfinite": (tuple(lines_through(side) for side in wavy_sides()), {}),
+        "constrained_delaunay": ((square_with_hole(),), {}),
         "delaunay_refinement": ((square_with_hole(),), {"min_angle": 30.0}),
         "refined": ((triangulated_square(),), {"indicator": "front", "levels": 2}),
     }

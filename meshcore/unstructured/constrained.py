@@ -13,17 +13,11 @@ from ..progress import Progress, advance, part_of
 from . import _constrained_kernels as constrained_kernels
 from . import _half_edge_kernels as half_edges
 from .nesting import nesting_levels
-from .planar_graph import (
-    ON_SEGMENT,
-    PlanarGraph,
-    crossing_pairs,
-    crossing_points,
-    split_at_crossings,
-)
+from .planar_graph import ON_SEGMENT, Crossings, PlanarGraph, split_at_crossings
 from .triangulation import Triangulation, grown, triangulated
 
 _EDGES_A_CHUNK = 200_000
-_MAX_CROSSING_ROUNDS = 20
+_MAX_CROSSING_ROUNDS = 64
 
 
 @dataclass
@@ -93,79 +87,85 @@ def constrained(graph: PlanarGraph, *, split_crossings: bool, parameter: str, pr
     for _ in range(_MAX_CROSSING_ROUNDS):
         scaled, exponent = predicates.rescaled(graph.points)
         mesh = triangulated(scaled, part_of(progress, 0.0, 0.5), parameter)
-        pieces, piece_of, crossed = _inserted(mesh, graph, part_of(progress, 0.5, 1.0))
-        if not len(crossed):
+        pieces, piece_of, crossings = _inserted(mesh, graph, part_of(progress, 0.5, 1.0))
+        if not len(crossings.pairs):
             face = np.empty(len(mesh.origin) // 4, np.int32)
             stack = np.empty(3 * mesh.n_triangles + 8, np.int32)
             n_faces = half_edges.label_faces(mesh.origin, mesh.twin, mesh.n_triangles, face, stack)
             return ConstrainedTriangulation(mesh, graph, exponent, pieces, piece_of, face, n_faces)
-        pairs = crossing_pairs(graph, crossed[: None if split_crossings else 200])
+        crossings.places = np.ldexp(crossings.places, -exponent)
         if not split_crossings:
-            _refuse(graph, pairs, crossed, parameter)
-        if not len(pairs):
-            break
-        graph = split_at_crossings(graph, pairs)
+            _refuse(graph, crossings, parameter)
+        graph = split_at_crossings(graph, crossings)
     raise InvalidGeometry(
         "crossings of lines lie so near each other that splitting does not come to an end; clean the lines there",
         parameter=parameter,
-        cells=np.unique(graph.line[crossed]),
+        cells=np.unique(graph.line[crossings.pairs]),
     )
 
 
-def _refuse(graph: PlanarGraph, pairs: np.ndarray, crossed: np.ndarray, parameter: str) -> None:
-    cells = np.unique(graph.line[np.append(pairs.ravel(), crossed)])
-    ends = graph.source[graph.segments[np.append(pairs.ravel(), crossed)]].ravel()
-    cure = "separate them, or choose crossings = split"
-    if not len(pairs):
-        raise InvalidGeometry(
-            f"line {cells[0]} overlaps or crosses another; {cure}",
-            parameter=parameter,
-            cells=cells,
-            points=np.unique(ends[ends >= 0]),
-        )
-    x, y = crossing_points(graph, pairs[:1])[0]
-    first, second = graph.line[pairs[0]]
-    more = f" ({len(crossed):,} lines cross others in all)" if len(crossed) > 1 else ""
+def _refuse(graph: PlanarGraph, crossings: Crossings, parameter: str) -> None:
+    ends = graph.source[graph.segments[crossings.pairs]].ravel()
+    x, y = crossings.places[0]
+    first, second = np.sort(graph.line[crossings.pairs[0]])
+    more = f" ({len(crossings.pairs):,} crossings in all)" if len(crossings.pairs) > 1 else ""
     raise InvalidGeometry(
-        f"line {first} and line {second} cross at ({x:.6g}, {y:.6g}){more}; {cure}",
+        f"line {first} and line {second} cross at ({x:.6g}, {y:.6g}){more}; separate them, or choose crossings = split",
         parameter=parameter,
-        cells=cells,
+        cells=np.unique(graph.line[crossings.pairs]),
         points=np.unique(ends[ends >= 0]),
     )
 
 
 def _inserted(mesh: Triangulation, graph: PlanarGraph, progress: Progress):
-    """Insert the segments; the pieces, the piece of each half-edge, and the segments that cross others."""
+    """Insert the segments; the pieces, the piece of each half-edge, and what cross."""
     kernels = constrained_kernels
     segments = np.ascontiguousarray(mesh.vertex_of[graph.segments], dtype=np.int32)
     vertex_edge = np.empty(len(mesh.order) + 1, np.int32)
     piece_of = np.full(len(mesh.origin), -1, np.int32)
     kernels.map_vertices(mesh.origin, mesh.twin, mesh.n_triangles, vertex_edge)
     pieces = np.empty((len(segments) + 64, 3), np.int32)
-    crossed = np.empty(64, np.int32)
+    crossed, places = np.empty((64, 2), np.int32), np.empty((64, 2))
+    size = 1024
+    chain, cavity, sweep, stack = _buffers(size)
     tolerance = ON_SEGMENT * float(np.abs(mesh.xy).max())
-    state = np.array([0, -1, -1, 0, 0, 0], np.int64)
+    state = np.zeros(kernels.STATE_SIZE, np.int64)
+    state[kernels.FROM] = -1
     status = half_edges.MORE
     while status in (half_edges.MORE, half_edges.FULL):
-        advance(progress, state[kernels.SEGMENT] / len(segments), "inserting lines")
+        advance(progress, state[kernels.SEGMENT] / max(len(segments), 1), "inserting lines")
         status = kernels.insert_segments(
-            mesh.xy, mesh.origin, mesh.twin, piece_of, vertex_edge, segments, pieces, crossed, mesh.scratch.stack,
-            mesh.scratch.work, tolerance, state, _EDGES_A_CHUNK,
+            mesh.xy, mesh.origin, mesh.twin, piece_of, vertex_edge, segments, pieces, crossed, places, chain,
+            cavity, sweep, stack, mesh.scratch.work, tolerance, state, _EDGES_A_CHUNK,
         )  # fmt: skip
         if status == half_edges.FULL:
-            mesh.scratch.grow()
-            pieces = grown(pieces, 2 * len(pieces))
-            crossed = grown(crossed, 2 * len(crossed))
+            pieces, crossed, places = (grown(array, 2 * len(array)) for array in (pieces, crossed, places))
+            size *= 2
+            depth, waiting = state[kernels.DEPTH], stack
+            chain, cavity, sweep, stack = _buffers(size)
+            stack[:depth] = waiting[:depth]
     if status != half_edges.DONE:
         raise GenerationFailed(
             f"line {graph.line[state[kernels.SEGMENT]]} could not be made an edge of the triangulation; "
             "please report the lines"
         )
-    return pieces[: state[kernels.PIECES]], piece_of, crossed[: state[kernels.CROSSED]].astype(np.int64)
+    count = state[kernels.CROSSED]
+    pairs, first = np.unique(np.sort(crossed[:count].astype(np.int64), axis=1), axis=0, return_index=True)
+    return pieces[: state[kernels.PIECES]], piece_of, Crossings(pairs, places[first])
+
+
+def _buffers(size: int) -> tuple[np.ndarray, ...]:
+    """What the kernel needs for cavities of up to ``size`` triangles; only the stack keeps something between calls."""
+    return (
+        np.empty((2 * size, 4), np.int32),
+        np.empty(size, np.int32),
+        np.empty((2 * size, 2), np.int32),
+        np.empty(8 * size, np.int32),
+    )
 
 
 def faces_of_points(mesh: ConstrainedTriangulation, points: np.ndarray, parameter: str) -> np.ndarray:
-    """(k,) int: the face that each point lies in; 0 outside.
+    """(k,) int: the face that each point lies in; 0 outside all loops, -1 outside the convex hull.
 
     Raises
     ------
@@ -177,7 +177,7 @@ def faces_of_points(mesh: ConstrainedTriangulation, points: np.ndarray, paramete
     a, b, c = (xy[corners[:, k]] for k in range(3))
     low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
     flags = mesh.triangulation.origin[3::4][slots]
-    found = np.zeros(len(points), np.int64)
+    found = np.full(len(points), -1)
     for k, p in enumerate(np.ldexp(points, mesh.exponent)):
         near = np.flatnonzero(((low <= p) & (high >= p)).all(axis=1))
         sides = np.column_stack([predicates.orient2d(u[near], v[near], p) for u, v in ((a, b), (b, c), (c, a))])
@@ -195,6 +195,8 @@ def faces_of_points(mesh: ConstrainedTriangulation, points: np.ndarray, paramete
 
 def levels(mesh: ConstrainedTriangulation) -> np.ndarray:
     """(n_faces,) int: 1 for faces inside by the even-odd rule, else 0."""
+    if not len(mesh.pieces):
+        return np.zeros(mesh.n_faces, np.int64)
     left, right = mesh.faces_beside
     return nesting_levels(mesh.pieces[:, :2].astype(np.int64), left, right, mesh.n_faces)
 

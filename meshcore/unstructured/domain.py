@@ -102,8 +102,20 @@ def _rows(name: str, values: Any, widths: tuple[int, ...]) -> np.ndarray:
     return rows
 
 
-def domain(mesh: ConstrainedTriangulation, seeds: Seeds, max_area: float) -> Domain:
+def domain(mesh: ConstrainedTriangulation, seeds: Seeds, max_area: float, *, keep_hull: bool = False) -> Domain:
     """The faces that are meshed, with their regions.
+
+    Parameters
+    ----------
+    mesh : ConstrainedTriangulation
+        With all its faces.
+    seeds : Seeds
+        Holes and regions.
+    max_area : float
+        Largest area of a triangle.
+    keep_hull : bool
+        Mesh all of the convex hull but for the holes, whatever the loops enclose. A hole outside all loops then takes
+        the outside away.
 
     Raises
     ------
@@ -114,15 +126,17 @@ def domain(mesh: ConstrainedTriangulation, seeds: Seeds, max_area: float) -> Dom
     hole_faces = faces_of_points(mesh, seeds.holes, "holes") if seeds.holes is not None else np.empty(0, np.int64)
     region_faces = faces_of_points(mesh, seeds.regions, "regions")
     for name, points, faces in (("hole", seeds.holes, hole_faces), ("region", seeds.regions, region_faces)):
-        for k in np.flatnonzero(faces == 0):
+        for k in np.flatnonzero(faces < (0 if keep_hull else 1)):
             warnings.append(f"{name} {k} at ({points[k, 0]:.6g}, {points[k, 1]:.6g}) lies outside and has no effect")
-    if seeds.holes is None:
+    hole_faces, is_in_hull = hole_faces[hole_faces >= 0], region_faces >= 0
+    region_faces, tags, max_areas = region_faces[is_in_hull], seeds.tags[is_in_hull], seeds.max_areas[is_in_hull]
+    if seeds.holes is None and not keep_hull:
         keep = levels(mesh) == 1
         keep[region_faces] = True
     else:
         keep = np.ones(mesh.n_faces, bool)
         keep[hole_faces] = False
-    keep[0] = False
+    keep[0] &= keep_hull
     if not keep.any():
         _refuse(mesh)
     left, right = mesh.faces_beside
@@ -134,21 +148,22 @@ def domain(mesh: ConstrainedTriangulation, seeds: Seeds, max_area: float) -> Dom
     tag = np.zeros(mesh.n_faces, np.int64)
     limit = np.full(mesh.n_faces, max_area)
     if len(region_faces):
-        tag[region_faces] = seeds.tags
-        for k in np.flatnonzero((tag[region_faces] != seeds.tags) & (region_faces > 0)):
-            warnings.append(f"region {k} lies in one part with a later one, so its tag {seeds.tags[k]} has no effect")
-        np.minimum.at(limit, region_faces, seeds.max_areas)
+        tag[region_faces] = tags
+        for k in np.flatnonzero((tag[region_faces] != tags) & (region_faces > (-1 if keep_hull else 0))):
+            number = np.flatnonzero(is_in_hull)[k]
+            warnings.append(f"region {number} lies in one part with a later one, so its tag {tags[k]} has no effect")
+        np.minimum.at(limit, region_faces, max_areas)
     else:
-        tag[_by_first_line(mesh, keep, left, right)] = np.arange(1, keep.sum() + 1)
+        tag[_by_first_line(mesh, keep, left, right)] = np.arange(1, keep[1:].sum() + 1)
     return Domain(keep, tag, limit, warnings)
 
 
 def _by_first_line(mesh: ConstrainedTriangulation, keep: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """The kept faces in the order of the first input line beside each."""
+    """The kept faces but the outer one, in the order of the first input line beside each."""
     first = np.full(mesh.n_faces, np.iinfo(np.int64).max)
     np.minimum.at(first, left, mesh.line)
     np.minimum.at(first, right, mesh.line)
-    kept = np.flatnonzero(keep)
+    kept = 1 + np.flatnonzero(keep[1:])
     return kept[np.argsort(first[kept], kind="stable")]
 
 

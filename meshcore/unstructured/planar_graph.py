@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..errors import InvalidGeometry
-from ..geometry import predicates
 from ..mesh import topology
 
 # Shares of the largest coordinate; a double's own rounding is 1.1e-16 of it. Points nearer than the first are one; a
@@ -19,6 +18,8 @@ ON_SEGMENT = 2.0**-49
 _LARGEST, _SMALLEST = 1e75, 1e-75
 # A share of the largest coordinate that counts as zero: exact arithmetic over more than that would be slow.
 _NOTHING = 2.0**-200
+# A direction along which hardly two points of a drawing agree, and the one across it.
+_SKEW, _ACROSS = np.array([0.7653668647, 0.6435942529]), np.array([-0.6435942529, 0.7653668647])
 
 
 @dataclass
@@ -46,7 +47,9 @@ class PlanarGraph:
     warnings: list[str] = field(default_factory=list)
 
 
-def planar_graph(points: np.ndarray, lines: np.ndarray, vertices: np.ndarray, parameter: str) -> PlanarGraph:
+def planar_graph(
+    points: np.ndarray, lines: np.ndarray, vertices: np.ndarray, parameter: str, *, may_lack_lines: bool = False
+) -> PlanarGraph:
     """The graph of line cells: equal points merged, empty and repeated lines dropped.
 
     Parameters
@@ -59,10 +62,15 @@ def planar_graph(points: np.ndarray, lines: np.ndarray, vertices: np.ndarray, pa
         Points to keep although no line may use them.
     parameter : str
         Name of the input, for messages.
+    may_lack_lines : bool
+        Whether points alone will do.
     """
-    if not len(lines):
+    if not len(lines) and not (may_lack_lines and len(vertices)):
         raise InvalidGeometry("has no line cells; give closed loops of lines", parameter=parameter)
-    used = np.unique(np.concatenate([lines.ravel(), vertices]))
+    is_used = np.zeros(len(points), bool)
+    is_used[lines] = True
+    is_used[vertices] = True
+    used = np.flatnonzero(is_used)
     largest = float(np.abs(points[used]).max())
     if not (_SMALLEST < largest < _LARGEST or largest == 0):
         raise InvalidGeometry(
@@ -70,10 +78,10 @@ def planar_graph(points: np.ndarray, lines: np.ndarray, vertices: np.ndarray, pa
             parameter=parameter,
         )
     same = _merged(points[used])
-    source = used[np.unique(same)]  # the first of each group
-    number = np.searchsorted(source, used[same])
+    is_first = same == np.arange(len(used))
+    source = used[is_first]
     at = np.full(len(points), -1)
-    at[used] = number
+    at[used] = (np.cumsum(is_first) - 1)[same]
     segments = at[lines]
     warnings = []
     if len(source) < len(used):
@@ -82,14 +90,25 @@ def planar_graph(points: np.ndarray, lines: np.ndarray, vertices: np.ndarray, pa
     if len(real) < len(segments):
         warnings.append(f"{len(segments) - len(real)} lines without length were dropped")
     segments = segments[real]
-    _, first = np.unique(np.sort(segments, axis=1), axis=0, return_index=True)
-    first = np.sort(first)
+    first = _first_of_each(segments)
     if len(first) < len(segments):
         warnings.append(f"{len(segments) - len(first)} lines that repeat others were dropped")
-    if not len(first):
+    if len(lines) and not len(first):
         raise InvalidGeometry("has only lines without length", parameter=parameter, cells=range(len(lines)))
     clean = np.where(np.abs(points[source]) < _NOTHING * largest, 0.0, points[source])
     return PlanarGraph(clean, source, segments[first], real[first], warnings)
+
+
+def _first_of_each(segments: np.ndarray) -> np.ndarray:
+    """Numbers of the segments that repeat no earlier one, in order."""
+    if not len(segments):
+        return np.empty(0, np.int64)
+    low, high = segments.min(axis=1), segments.max(axis=1)
+    key = low * (int(high.max()) + 1) + high
+    ordered = np.sort(key)  # a plain sort is far faster than one that returns numbers, and mostly enough
+    if (ordered[1:] != ordered[:-1]).all():
+        return np.arange(len(segments))
+    return np.sort(np.unique(key, return_index=True)[1])
 
 
 def _merged(points: np.ndarray) -> np.ndarray:
@@ -97,69 +116,78 @@ def _merged(points: np.ndarray) -> np.ndarray:
     distance = SAME_POINT * float(np.abs(points).max())
     if not distance:
         return np.zeros(len(points), int)
-    pairs = []
+    # Points at one place have nearly the same coordinate along any direction. Along a skew one, few others have.
+    skew = points @ _SKEW
+    ordered = np.sort(skew)
+    close = ordered[1:] - ordered[:-1] <= 2 * distance
+    if not close.any():
+        return np.arange(len(points))
+    starts = ordered[np.flatnonzero(close & ~np.append(False, close[:-1]))]
+    stops = ordered[1:][np.flatnonzero(close & ~np.append(close[1:], False))]
+    cluster = np.searchsorted(starts, skew, side="right") - 1
+    some = np.flatnonzero((cluster >= 0) & (skew <= stops[np.maximum(cluster, 0)]))
+    pairs = some[_near_pairs(points[some] / distance, cluster[some])]
+    group = topology.connected(pairs, len(points))
+    return np.unique(group, return_index=True)[1][group]
+
+
+def _near_pairs(points: np.ndarray, cluster: np.ndarray) -> np.ndarray:
+    """(k, 2) int: pairs of points of one cluster not farther than 1 apart, enough of them to connect all such."""
+    order = np.lexsort((points @ _ACROSS, cluster))
+    across = points[order] @ _ACROSS
+    together = (cluster[order][1:] == cluster[order][:-1]) & (across[1:] - across[:-1] <= 2)
+    pairs = np.column_stack([order[:-1], order[1:]])[together]
+    near = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1) <= 1
+    # Now only points side by side in this order are found. Where one such pair is not near, look at all.
+    part = np.cumsum(np.append(True, ~together))
+    doubtful = order[np.isin(part, part[1:][together][~near])]
+    found = [pairs[near]]
     # Two points that near each other lie in one cell of at least one of four grids, shifted by half a cell.
     for shift in np.ndindex(2, 2):
-        cell = np.floor(points / (2 * distance) + 0.5 * np.array(shift))
-        order = np.lexsort(cell.T)
-        together = (cell[order][1:] == cell[order][:-1]).all(axis=1)
-        pairs.append(np.column_stack([order[:-1], order[1:]])[together])
-    pairs = np.concatenate(pairs)
-    near = np.linalg.norm((points[pairs[:, 0]] - points[pairs[:, 1]]) / distance, axis=1) <= 1
-    group = topology.connected(pairs[near], len(points))
-    first = np.unique(group, return_index=True)[1]
-    return first[group]
+        cell = np.floor(points[doubtful] / 2 + 0.5 * np.array(shift))
+        by_cell = np.lexsort(cell.T)
+        same = (cell[by_cell][1:] == cell[by_cell][:-1]).all(axis=1)
+        both = doubtful[np.column_stack([by_cell[:-1], by_cell[1:]])[same]]
+        found.append(both[np.linalg.norm(points[both[:, 0]] - points[both[:, 1]], axis=1) <= 1])
+    return np.concatenate(found)
 
 
-def crossing_pairs(graph: PlanarGraph, failed: np.ndarray) -> np.ndarray:
-    """(k, 2) int: pairs of segments that cross inside both, each with one of ``failed``."""
-    low = graph.points[graph.segments].min(axis=1)
-    high = graph.points[graph.segments].max(axis=1)
-    pairs = []
-    for s in failed:
-        near = np.flatnonzero(((low <= high[s]) & (high >= low[s])).all(axis=1))
-        a, b = graph.points[graph.segments[s]]
-        c, d = graph.points[graph.segments[near, 0]], graph.points[graph.segments[near, 1]]
-        apart = predicates.orient2d(a, b, c) * predicates.orient2d(a, b, d)
-        across = predicates.orient2d(c, d, a) * predicates.orient2d(c, d, b)
-        pairs += [(min(s, t), max(s, t)) for t in near[(apart < 0) & (across < 0)]]
-    return np.unique(np.array(pairs, np.int64).reshape(-1, 2), axis=0)
+@dataclass
+class Crossings:
+    """Pairs of segments that cross.
+
+    Attributes
+    ----------
+    pairs : (k, 2) int
+        Segments, each pair once.
+    places : (k, 2) float
+        Where they cross.
+    """
+
+    pairs: np.ndarray
+    places: np.ndarray
 
 
-def crossing_points(graph: PlanarGraph, pairs: np.ndarray) -> np.ndarray:
-    """(k, 2) float: where pairs of segments cross."""
-    (a, b), (c, d) = (graph.points[graph.segments[pairs[:, k]]].transpose(1, 0, 2) for k in (0, 1))
-    along, other = b - a, d - c
-    denominator = along[:, 0] * other[:, 1] - along[:, 1] * other[:, 0]
-    share = ((c - a)[:, 0] * other[:, 1] - (c - a)[:, 1] * other[:, 0]) / denominator
-    return a + np.clip(share, 0, 1)[:, None] * along
-
-
-def split_at_crossings(graph: PlanarGraph, pairs: np.ndarray) -> PlanarGraph:
+def split_at_crossings(graph: PlanarGraph, crossings: Crossings) -> PlanarGraph:
     """The graph with a point where each pair of segments crosses, and both split there."""
-    where = crossing_points(graph, pairs)
-    n = len(graph.points)
-    added = n + np.arange(len(pairs))
-    points = np.concatenate([graph.points, where])
+    points = np.concatenate([graph.points, crossings.places])
     same = _merged(points)
-    owner = np.concatenate([pairs[:, 0], pairs[:, 1]])
-    stop = np.concatenate([added, added])
+    owner = crossings.pairs.T.ravel()
+    stop = np.tile(len(graph.points) + np.arange(len(crossings.pairs)), 2)
     start = graph.points[graph.segments[owner, 0]]
     order = np.lexsort((np.linalg.norm(points[stop] - start, axis=1), owner))
     owner, stop = owner[order], stop[order]
-    parts, line = [], []
-    for s in np.unique(owner):
-        chain = np.concatenate([graph.segments[s, :1], stop[owner == s], graph.segments[s, 1:]])
-        parts.append(np.column_stack([chain[:-1], chain[1:]]))
-        line.append(np.full(len(chain) - 1, graph.line[s]))
+    is_first = np.append(True, owner[1:] != owner[:-1])
+    is_last = np.append(is_first[1:], True)
+    parts = np.column_stack([np.where(is_first, graph.segments[owner, 0], np.roll(stop, 1)), stop])
+    ends = np.column_stack([stop[is_last], graph.segments[owner[is_last], 1]])
     whole = np.setdiff1d(np.arange(len(graph.segments)), owner)
-    segments = same[np.concatenate([graph.segments[whole], *parts])]
-    line = np.concatenate([graph.line[whole], *line])
+    segments = same[np.concatenate([graph.segments[whole], parts, ends])]
+    line = graph.line[np.concatenate([whole, owner, owner[is_last]])]
     keep = np.unique(same)
-    source = np.concatenate([graph.source, np.full(len(pairs), -1)])[keep]
+    source = np.concatenate([graph.source, np.full(len(crossings.pairs), -1)])[keep]
     segments = np.searchsorted(keep, segments)
     real = segments[:, 0] != segments[:, 1]
     segments, line = segments[real], line[real]
-    _, first = np.unique(np.sort(segments, axis=1), axis=0, return_index=True)
-    first = np.sort(first)
+    first = _first_of_each(segments)
     return PlanarGraph(points[keep], source, segments[first], line[first], graph.warnings)

@@ -1,0 +1,137 @@
+"""Constrained and conforming Delaunay triangulation of any planar straight-line graph."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+import numpy as np
+
+from .. import quality
+from ..errors import InvalidInput
+from ..geometry.plane import Plane, fitted_plane
+from ..mesh import Mesh
+from ..operation import Param, Port, operation
+from ..progress import Progress, advance, part_of, silent
+from ..report import Report, Result
+from .boundary_lines import along_lines, edges_on_lines, line_cells, numbered, with_lines
+from .constrained import ConstrainedTriangulation, constrained
+from .domain import Domain, domain, seeds
+from .planar_graph import planar_graph
+
+
+@operation("Constrained Delaunay", category="Unstructured")
+def constrained_delaunay(
+    boundary: Annotated[Mesh, Port("Lines in a plane, which become edges of the mesh", cells=("line",))],
+    *,
+    keep: Annotated[
+        Literal["inside", "hull"], Param("Mesh what closed loops enclose, or the whole convex hull of the lines")
+    ] = "inside",
+    crossings: Annotated[
+        Literal["refuse", "split"], Param("What to do where lines cross: refuse, or split both")
+    ] = "refuse",
+    lines: Annotated[
+        bool, Param("Give the pieces of the lines too, as line cells with their tags and numbers")
+    ] = False,
+    holes: Any = None,
+    regions: Any = None,
+    progress: Progress = silent,
+) -> Result:
+    """Triangulate a planar straight-line graph with all of its lines as edges, and no point added.
+
+    No point that can be seen past the lines from a triangle lies inside its circle; of all triangulations with these
+    edges, this one has the largest smallest angle.
+
+    ::
+
+        +-----------------+        +-----------------+
+        |   ____________  |        |\\ _/__________ / |
+        |         |       |   ->   | \\/ \\  | /  _/ / |
+        |         |       |        | / __\\ |/_/   /  |
+        +-----------------+        +-----------------+
+
+    Parameters
+    ----------
+    boundary : Mesh
+        "line" cells in the plane z = 0 or any other; they may touch, overlap, repeat, end anywhere, and enclose one
+        another. "vertex" cells become points of the mesh. Points that no cell uses are left out. ``field_data``
+        "holes" and "regions" are used where the arguments are not given.
+    keep : {"inside", "hull"}
+        "inside" meshes what closed loops enclose by the even-odd rule: outline, hole, island; a loop that shares lines
+        with another is a second part beside it. "hull" meshes all of the convex hull, but for holes that are given.
+    crossings : {"refuse", "split"}
+        Lines that cross are an error, or get a point where they cross.
+    lines : bool
+        Whether the mesh has "line" cells too: the pieces of the lines, in the order and direction of the input.
+    holes : (k, 2) or (k, 3) float, optional
+        A point in each hole; then all else within the outermost lines is meshed.
+    regions : (k, 2), (k, 3) or (k, 4) float, optional
+        A point in each region and its tag; by default the parts are counted from 1. A loop with a region is meshed.
+    progress : Progress, optional
+        Called with fraction and message.
+
+    Returns
+    -------
+    Result
+        Counter-clockwise triangles; the boundary's points come first, unchanged. ``cell_data["region"]`` is the tag of
+        the region; 0 in the hull outside all loops. With ``lines``, ``cell_data["line"]`` is the number of the input's
+        cell under each piece and -1 for triangles, ``cell_data["tag"]`` the tag of that cell and 0 for triangles.
+
+    Raises
+    ------
+    InvalidGeometry
+        If lines cross, nothing is enclosed, all points lie on one line, the boundary is not planar, or a hole or region
+        lies on a line; `points` and `cells` tell where.
+    InvalidInput
+        If coordinates are too large or too small, or holes and regions are not rows of numbers.
+
+    References
+    ----------
+    Survey, section 3.2.4. D. T. Lee, A. K. Lin, "Generalized Delaunay triangulation for planar graphs", Discrete
+    Comput. Geom. 1 (1986). L. P. Chew, "Constrained Delaunay triangulations", Algorithmica 4 (1989).
+
+    Examples
+    --------
+    >>> from meshcore.gallery import joined, square
+    >>> wall = Mesh([[0.2, 0.4], [0.7, 0.6]], {"line": [[0, 1]]})
+    >>> mesh, report = constrained_delaunay(joined(square(), wall), lines=True)
+    >>> mesh
+    Mesh(6 points, 8 triangle, 5 line)
+    """
+    if not isinstance(boundary, Mesh):
+        raise InvalidInput(f"needs a Mesh of line cells, got {type(boundary).__name__}", parameter="boundary")
+    segments = boundary.get("line")
+    vertices = boundary.get("vertex").ravel()
+    used = np.unique(np.concatenate([segments.ravel(), vertices]))
+    plane = fitted_plane(boundary.points[used], parameter="boundary")
+    graph = planar_graph(plane.to_plane(boundary.points), segments, vertices, "boundary", may_lack_lines=keep == "hull")
+    graph.line = line_cells(boundary)[graph.line]
+    marks = seeds(boundary, holes, regions, plane)
+    triangulation = constrained(
+        graph, split_crossings=crossings == "split", parameter="boundary", progress=part_of(progress, 0.0, 0.8)
+    )
+    parts = domain(triangulation, marks, np.inf, keep_hull=keep == "hull")
+    advance(progress, 0.8, "checking the mesh")
+    return _result(boundary, plane, triangulation, parts, lines)
+
+
+def _result(
+    boundary: Mesh, plane: Plane, triangulation: ConstrainedTriangulation, parts: Domain, lines: bool
+) -> Result:
+    """The mesh, checked, and its report."""
+    half_edges, graph = triangulation.triangulation, triangulation.graph
+    corners, slots = half_edges.live()
+    face = triangulation.face[slots]
+    corners, slots, face = (array[parts.keep[face]] for array in (corners, slots, face))
+    xy = np.ldexp(half_edges.xy.reshape(-1, 2), -triangulation.exponent)
+    number, kept, added = numbered(corners, graph.source[half_edges.order])
+    points = np.concatenate([boundary.points[kept], plane.to_space(xy[added])])
+    mesh = Mesh(points, {"triangle": number[corners]}, cell_data={"region": parts.tag[face]})
+    ends, piece = edges_on_lines(half_edges.origin, half_edges.twin, triangulation.piece_of, slots)
+    ends, line = along_lines(graph, xy, ends, triangulation.pieces[piece, 2])
+    quality.validate(mesh)
+    report = Report(
+        counts={"points": mesh.n_points, "triangles": mesh.n_cells, "points added at crossings": len(added)},
+        quality=quality.summary(mesh),
+        warnings=[*graph.warnings, *parts.warnings],
+    )
+    return Result(with_lines(mesh, boundary, number[ends], line) if lines else mesh, report)
