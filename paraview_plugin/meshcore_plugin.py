@@ -992,6 +992,56 @@ class meshcoreTransfiniteInterpolation(Operation):
 
 
 
+@smproxy.filter(name="meshcoreConstrainedDelaunay", label="meshcore Constrained Delaunay", support_reload=False)
+@smhint.xml('<ShowInMenu category="meshcore"/>')
+@smproperty.xml(
+    """
+    <Documentation short_help="Constrained Delaunay">Triangulate a planar straight-line graph with all of its lines
+    as edges, and no point added.</Documentation>
+    <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Lines in a plane, which become edges of the mesh.</Documentation>
+    </InputProperty>
+    <IntVectorProperty name="Keep" label="Keep" command="SetKeep" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="inside"/><Entry value="1" text="hull"/></EnumerationDomain>
+      <Documentation>Mesh what closed loops enclose, or the whole convex hull of the lines.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="Crossings" label="Crossings" command="SetCrossings" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="refuse"/><Entry value="1" text="split"/></EnumerationDomain>
+      <Documentation>What to do where lines cross: refuse, or split both.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="Lines" label="Lines" command="SetLines" number_of_elements="1" default_values="0" panel_visibility="default">
+      <BooleanDomain name="bool"/>
+      <Documentation>Give the pieces of the lines too, as line cells with their tags and numbers.</Documentation>
+    </IntVectorProperty>
+    <PropertyGroup label="Parameters">
+      <Property name="Keep"/>
+      <Property name="Crossings"/>
+      <Property name="Lines"/>
+    </PropertyGroup>
+    """
+)
+class meshcoreConstrainedDelaunay(Operation):
+    operation = "constrained_delaunay"
+    label = "meshcore Constrained Delaunay"
+    ports = (("boundary", "lines", False),)
+    output = "vtkUnstructuredGrid"
+
+    def SetKeep(self, value):
+        self.set("keep", ('inside', 'hull')[value])
+
+    def SetCrossings(self, value):
+        self.set("crossings", ('refuse', 'split')[value])
+
+    def SetLines(self, value):
+        self.set("lines", bool(value))
+
+
+
 @smproxy.filter(name="meshcoreDelaunayRefinement", label="meshcore Delaunay Refinement", support_reload=False)
 @smhint.xml('<ShowInMenu category="meshcore"/>')
 @smproperty.xml(

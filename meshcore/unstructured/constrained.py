@@ -138,8 +138,11 @@ def _inserted(mesh: Triangulation, graph: PlanarGraph, progress: Progress):
             mesh.xy, mesh.origin, mesh.twin, piece_of, vertex_edge, segments, pieces, crossed, places, chain,
             cavity, sweep, stack, mesh.scratch.work, tolerance, state, _EDGES_A_CHUNK,
         )  # fmt: skip
-        if status == half_edges.FULL:
-            pieces, crossed, places = (grown(array, 2 * len(array)) for array in (pieces, crossed, places))
+        if status == half_edges.FULL and state[kernels.CROSSED] == len(crossed):
+            crossed, places = grown(crossed, 2 * len(crossed)), grown(places, 2 * len(places))
+        elif status == half_edges.FULL and state[kernels.PIECES] == len(pieces):
+            pieces = grown(pieces, 2 * len(pieces))
+        elif status == half_edges.FULL:
             size *= 2
             depth, waiting = state[kernels.DEPTH], stack
             chain, cavity, sweep, stack = _buffers(size)
