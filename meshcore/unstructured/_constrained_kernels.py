@@ -215,8 +215,8 @@ def insert_segments(
 
     A vertex on a segment, up to the tolerance, splits it; each part becomes a row (from, to, segment) of ``pieces``,
     unless an earlier piece lies there. A segment that crosses earlier ones is left out there, and each pair of
-    segments is noted in ``crossed``, some twice, and where they cross in ``places``. If one of these two, ``pieces``, or
-    else one of the buffers after them is full, it is to grow.
+    segments is noted in ``crossed``, some twice, and where they cross in ``places``. If these, ``pieces``, or else the
+    buffers after them are full, they are to grow.
     """
     s = int(state[SEGMENT])
     a = int(state[FROM])
