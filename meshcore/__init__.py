@@ -6,7 +6,7 @@ from . import adapt, io, quality
 from .adapt import refined
 from .errors import Cancelled, GenerationFailed, InvalidGeometry, InvalidInput, MeshcoreError, MissingLibrary
 from .geometry.location import locate
-from .mesh import Mesh, MultiBlock, StructuredGrid
+from .mesh import Mesh, MultiBlock, PolyhedralMesh, StructuredGrid
 from .operation import Length, Relative, operations
 from .progress import Progress, silent
 from .report import Report, Result
@@ -23,6 +23,7 @@ __all__ = [
     "MeshcoreError",
     "MissingLibrary",
     "MultiBlock",
+    "PolyhedralMesh",
     "Progress",
     "Relative",
     "Report",

@@ -251,7 +251,7 @@ _REGISTRY: dict[str, Operation] = {}
 
 
 def operation(
-    label: str, *, category: str, output: Literal["mesh", "grid"] = "mesh"
+    label: str, *, category: str, output: Literal["mesh", "grid", "polyhedra"] = "mesh"
 ) -> Callable[[Callable[..., Result]], Callable[..., Result]]:
     """Register a function as an operation and check each of its calls.
 
@@ -261,8 +261,8 @@ def operation(
         Name in Title Case, as hosts show it. It becomes part of users' files: change it as rarely as an identifier.
     category : str
         Menu under which hosts show it.
-    output : {"mesh", "grid"}
-        Whether the function makes a `Mesh` or a `StructuredGrid`.
+    output : {"mesh", "grid", "polyhedra"}
+        Whether the function makes a `Mesh`, a `StructuredGrid` or a `PolyhedralMesh`.
 
     Returns
     -------

@@ -68,7 +68,7 @@ class Report:
 
 
 class Result(NamedTuple):
-    """A mesh (`Mesh`, `StructuredGrid` or `MultiBlock`) and the `Report` of how it was made.
+    """A mesh (`Mesh`, `PolyhedralMesh`, `StructuredGrid` or `MultiBlock`) and the `Report` of how it was made.
 
     Examples
     --------

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InvalidInput
-from ..mesh import CELL_TYPES, Mesh, MultiBlock, StructuredGrid
+from ..mesh import CELL_TYPES, Mesh, MultiBlock, PolyhedralMesh, StructuredGrid
 
 ALL_CELLS = tuple(CELL_TYPES)
 SURFACE_CELLS = ("vertex", "line", "triangle", "quad")
@@ -36,6 +36,8 @@ class Holds:
         Whether named sets are held.
     planar : bool
         The format has no z.
+    polygons, polyhedra : bool
+        Whether a `PolyhedralMesh` of these is held; without polyhedra their faces are, each once.
     """
 
     cells: tuple[str, ...] = ()
@@ -45,6 +47,8 @@ class Holds:
     field_data: bool | tuple[str, ...] = False
     sets: bool = False
     planar: bool = False
+    polygons: bool = False
+    polyhedra: bool = False
 
 
 def warn_dropped(what: str, names: Sequence[str], reason: str) -> None:
@@ -54,13 +58,15 @@ def warn_dropped(what: str, names: Sequence[str], reason: str) -> None:
         warnings.warn(f"{what} {listed} left out: {reason}", FormatWarning, stacklevel=2)
 
 
-def fitted(mesh: Any, holds: Holds, name: str) -> Mesh | StructuredGrid | MultiBlock:
+def fitted(mesh: Any, holds: Holds, name: str) -> Mesh | PolyhedralMesh | StructuredGrid | MultiBlock:
     """``mesh`` as the type that a format takes, without the data that it cannot hold.
 
     Cells that it cannot hold are an error, data are left out with a `FormatWarning`.
     """
     if isinstance(mesh, tuple) and hasattr(mesh, "report"):
         raise InvalidInput("is a Result; write its first part: mesh, report = ...", parameter="mesh")
+    if isinstance(mesh, PolyhedralMesh):
+        return _fitted_polygons(mesh, holds, name)
     if not isinstance(mesh, (Mesh, StructuredGrid, MultiBlock)):
         raise InvalidInput(f"needs a Mesh, StructuredGrid or MultiBlock, got {type(mesh).__name__}", parameter="mesh")
     several = isinstance(mesh, MultiBlock) and len(mesh.blocks) > 1
@@ -89,6 +95,24 @@ def _fitted_mesh(mesh: Mesh, holds: Holds, name: str) -> Mesh:
     if mesh.sets and not holds.sets:
         warn_dropped("sets", list(mesh.sets), reason)
         mesh = replace(mesh, sets={})
+    return replace(
+        mesh,
+        point_data=_kept(mesh.point_data, holds.point_data, "point data", reason),
+        cell_data=_kept(mesh.cell_data, holds.cell_data, "cell data", reason),
+        field_data=_kept(mesh.field_data, holds.field_data, "field data", reason),
+    )
+
+
+def _fitted_polygons(mesh: PolyhedralMesh, holds: Holds, name: str) -> PolyhedralMesh:
+    if not holds.polygons:
+        raise InvalidInput(
+            f"is a PolyhedralMesh, which {name} does not hold; .vtu does, or write its to_mesh()", parameter="mesh"
+        )
+    reason = f"{name} does not hold them; .vtu does"
+    if mesh.dimension == 3 and not holds.polyhedra:
+        faces = PolyhedralMesh(mesh.points, mesh.face_offsets, mesh.face_nodes, point_data=mesh.point_data)
+        warn_dropped("cells", [f"{mesh.n_cells} polyhedra"], f"{name} holds their faces only; .vtu holds them")
+        mesh = replace(faces, field_data=mesh.field_data)
     return replace(
         mesh,
         point_data=_kept(mesh.point_data, holds.point_data, "point data", reason),

@@ -11,9 +11,10 @@ from urllib.parse import quote, unquote
 import numpy as np
 
 from ..errors import InvalidInput
-from ..mesh import Mesh
+from ..mesh import Mesh, PolyhedralMesh
 from .content import exact, floats, numbered, text_of, whole
 from .fit import SURFACE_CELLS, Holds, warn_dropped
+from .polyhedra import polygon_lists
 from .ragged import POLY_LINE, POLY_VERTEX, POLYGON, cells_by_kind
 from .registry import register
 
@@ -66,14 +67,24 @@ def _point(word: str, line: int, n_points: int) -> int:
     return at
 
 
-def write_obj(path: Path, mesh: Mesh) -> None:
+def write_obj(path: Path, mesh: Mesh | PolyhedralMesh) -> None:
     """Every digit of the points; a cell may be in several groups."""
+    lines = ["# written by meshcore", *(f"v {exact(x)} {exact(y)} {exact(z)}" for x, y, z in mesh.points.tolist())]
+    if isinstance(mesh, PolyhedralMesh):
+        lines += [" ".join(["f", *(str(node + 1) for node in nodes)]) for nodes in polygon_lists(mesh)]
+    else:
+        lines += _grouped_cells(mesh)
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _grouped_cells(mesh: Mesh) -> list[str]:
+    """A line a cell, and one wherever the groups that cells are in change."""
     warn_dropped("sets", [name for name, members in mesh.sets.items() if not len(members)], "OBJ has no empty groups")
     inside: list[list[str]] = [[] for _ in range(mesh.n_cells)]
     for name, members in mesh.sets.items():
         for k in np.unique(members).tolist():
             inside[k].append(quote(name, safe="/:+,()=&"))
-    lines = ["# written by meshcore", *(f"v {exact(x)} {exact(y)} {exact(z)}" for x, y, z in mesh.points.tolist())]
+    lines: list[str] = []
     current: list[str] = []
     number = 0
     for kind, cells, _ in mesh.blocks():
@@ -84,14 +95,14 @@ def write_obj(path: Path, mesh: Mesh) -> None:
                 lines.append(" ".join(["g", *current]))
             lines.append(" ".join([key, *map(str, nodes)]))
             number += 1
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return lines
 
 
 register(
     "Wavefront OBJ",
     (".obj",),
     "surfaces and curves; groups are sets",
-    Holds(cells=SURFACE_CELLS, sets=True),
+    Holds(cells=SURFACE_CELLS, polygons=True, sets=True),
     read=read_obj,
     write=write_obj,
 )

@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InvalidInput
-from ..mesh import Mesh
+from ..mesh import Mesh, PolyhedralMesh
 from .content import exact, numbered, table, text_of, whole
 from .fit import Holds
+from .polyhedra import polygon_lists
 from .ragged import LINE, POLYGON, VERTEX, cells_by_kind
 from .registry import register
 
@@ -44,12 +45,15 @@ def read_off(path: Path) -> Mesh:
     return Mesh(points, cells)
 
 
-def write_off(path: Path, mesh: Mesh) -> None:
+def write_off(path: Path, mesh: Mesh | PolyhedralMesh) -> None:
     """Every digit of the points."""
     lines = ["OFF", f"{mesh.n_points} {mesh.n_cells} 0"]
     lines += [f"{exact(x)} {exact(y)} {exact(z)}" for x, y, z in mesh.points.tolist()]
-    for cells in mesh.cells.values():
-        lines += [" ".join([str(len(nodes)), *map(str, nodes)]) for nodes in cells.tolist()]
+    if isinstance(mesh, PolyhedralMesh):
+        faces = polygon_lists(mesh)
+    else:
+        faces = [nodes for cells in mesh.cells.values() for nodes in cells.tolist()]
+    lines += [" ".join([str(len(nodes)), *map(str, nodes)]) for nodes in faces]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
@@ -57,7 +61,7 @@ register(
     "OFF",
     (".off",),
     "surfaces",
-    Holds(cells=("triangle", "quad")),
+    Holds(cells=("triangle", "quad"), polygons=True),
     read=read_off,
     write=write_off,
 )

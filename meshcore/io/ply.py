@@ -14,7 +14,7 @@ from urllib.parse import quote, unquote
 import numpy as np
 
 from ..errors import InvalidInput
-from ..mesh import Mesh
+from ..mesh import Mesh, PolyhedralMesh
 from .content import exact, floats, whole
 from .fit import Holds, columns_of, warn_dropped
 from .ragged import LINE, POLYGON, cells_by_kind
@@ -261,12 +261,15 @@ def _mesh(points: np.ndarray, point_data: dict[str, np.ndarray], tables: dict[st
     return Mesh(points, cells, point_data, cell_data)
 
 
-def write_ply(path: Path, mesh: Mesh, *, binary: bool = True) -> None:
+def write_ply(path: Path, mesh: Mesh | PolyhedralMesh, *, binary: bool = True) -> None:
     """Points in double precision, faces and edges in the order of the mesh's kinds."""
     point_data = _storable(mesh.point_data, "point data", ("x", "y", "z"))
     cell_data = _storable(mesh.cell_data, "cell data", (*_CORNERS, "vertex1", "vertex2"))
     points = {**{axis: mesh.points[:, k] for k, axis in enumerate("xyz")}, **point_data}
     parts = [("vertex", [_rows(points, None)])]
+    if isinstance(mesh, PolyhedralMesh):
+        _write(path, [*parts, ("face", _polygon_rows(mesh, cell_data))], binary)
+        return
     faces = [(c, where) for kind, c, where in mesh.blocks() if kind != "line"]
     edges = [(c, where) for kind, c, where in mesh.blocks() if kind == "line"]
     lines_first = next(iter(mesh.cells), "") == "line"
@@ -312,6 +315,19 @@ def _rows(columns: dict[str, np.ndarray], corners: np.ndarray | None) -> np.ndar
     return rows
 
 
+def _polygon_rows(mesh: PolyhedralMesh, columns: dict[str, np.ndarray]) -> list[np.ndarray]:
+    """Records of faces in their order; those with as many corners that follow each other in one array."""
+    sizes = np.diff(mesh.face_offsets)
+    if len(sizes) and sizes.max() > 255:
+        raise InvalidInput(f"has a polygon of {sizes.max()} corners, PLY counts to 255; write .vtu", parameter="mesh")
+    runs = np.flatnonzero(np.concatenate([[True], sizes[1:] != sizes[:-1], [True]]))
+    found = []
+    for first, last in zip(runs.tolist(), runs[1:].tolist(), strict=False):
+        corners = mesh.face_nodes[mesh.face_offsets[first] : mesh.face_offsets[last]].reshape(last - first, -1)
+        found.append(_rows({name: values[first:last] for name, values in columns.items()}, corners))
+    return found
+
+
 def _write(path: Path, parts: list[tuple[str, list[np.ndarray]]], binary: bool) -> None:
     header = ["ply", f"format {'binary_little_endian' if binary else 'ascii'} 1.0", "comment written by meshcore"]
     for name, rows in parts:
@@ -346,7 +362,7 @@ register(
     "PLY",
     (".ply",),
     "surfaces and edges, text or binary, with one-number data",
-    Holds(cells=("line", "triangle", "quad"), point_data=True, cell_data=True),
+    Holds(cells=("line", "triangle", "quad"), polygons=True, point_data=True, cell_data=True),
     read=read_ply,
     write=write_ply,
 )

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import html
+import tempfile
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..errors import InvalidInput, MissingLibrary
-from ..mesh import Mesh, MultiBlock, StructuredGrid
+from ..mesh import Mesh, MultiBlock, PolyhedralMesh, StructuredGrid
+from .polyhedra import POLYHEDRON
 from .ragged import LINE, POLY_LINE, POLY_VERTEX, POLYGON, TRIANGLE_STRIP
 from .vtk_data import GRID, MESH, DataSet, decoded, encoded, together
+from .vtk_xml import read_vtk_xml
 
 if TYPE_CHECKING:
     import pyvista
@@ -24,7 +28,7 @@ def _pyvista(purpose: str) -> Any:
     return pyvista
 
 
-def to_pyvista(mesh: Mesh | StructuredGrid | MultiBlock) -> pyvista.DataSet | pyvista.MultiBlock:
+def to_pyvista(mesh: Mesh | PolyhedralMesh | StructuredGrid | MultiBlock) -> pyvista.DataSet | pyvista.MultiBlock:
     """A mesh as pyvista's UnstructuredGrid, StructuredGrid or MultiBlock, with all its data.
 
     Sets become cell arrays "set:NAME" of 0 and 1. Empty arrays of the whole mesh are left out, since pyvista
@@ -32,7 +36,7 @@ def to_pyvista(mesh: Mesh | StructuredGrid | MultiBlock) -> pyvista.DataSet | py
 
     Parameters
     ----------
-    mesh : Mesh, StructuredGrid or MultiBlock
+    mesh : Mesh, PolyhedralMesh, StructuredGrid or MultiBlock
         Left as it is; nothing is shared.
 
     Raises
@@ -51,7 +55,7 @@ def to_pyvista(mesh: Mesh | StructuredGrid | MultiBlock) -> pyvista.DataSet | py
     pyvista = _pyvista("to_pyvista")
     if isinstance(mesh, MultiBlock):
         return pyvista.MultiBlock({name: to_pyvista(b) for name, b in zip(mesh.names, mesh.blocks, strict=True)})
-    if not isinstance(mesh, (Mesh, StructuredGrid)):
+    if not isinstance(mesh, (Mesh, PolyhedralMesh, StructuredGrid)):
         raise InvalidInput(
             f"needs a Mesh, StructuredGrid or MultiBlock, got {type(mesh).__name__}"
             + ("; pass result.mesh" if hasattr(mesh, "report") else ""),
@@ -63,8 +67,10 @@ def to_pyvista(mesh: Mesh | StructuredGrid | MultiBlock) -> pyvista.DataSet | py
         target.points = data.points.copy()
         target.dimensions = data.dimensions
     else:
-        sizes = np.diff(data.offsets)
-        legacy = np.insert(data.connectivity, data.offsets[:-1], sizes)
+        listed, offsets = data.connectivity, data.offsets
+        if len(data.faces):  # polyhedra are listed by their streams of faces
+            listed, offsets = data.faces, np.append(data.face_starts, len(data.faces))
+        legacy = np.insert(listed, offsets[:-1], np.diff(offsets))
         target = pyvista.UnstructuredGrid(legacy, data.types, data.points.copy())
     for into, arrays in (
         (target.point_data, data.point_data),
@@ -83,12 +89,13 @@ def _ascii(values: np.ndarray) -> np.ndarray:
     )
 
 
-def from_pyvista(data: Any) -> Mesh | StructuredGrid | MultiBlock:
-    """A pyvista data set as a Mesh, StructuredGrid or MultiBlock.
+def from_pyvista(data: Any) -> Mesh | PolyhedralMesh | StructuredGrid | MultiBlock:
+    """A pyvista data set as a Mesh, PolyhedralMesh, StructuredGrid or MultiBlock.
 
     PolyData and UnstructuredGrid become a `Mesh`; StructuredGrid, RectilinearGrid and ImageData a `StructuredGrid`
     (a single row of points becomes line cells). A MultiBlock of structured grids becomes a `MultiBlock`, any other
-    one `Mesh` with a set for each block. Polygons with more than four corners are cut into triangles.
+    one `Mesh` with a set for each block. An UnstructuredGrid of polyhedra, or of polygons alone, becomes a
+    `PolyhedralMesh`; elsewhere polygons with more than four corners are cut into triangles.
 
     Raises
     ------
@@ -110,12 +117,15 @@ def from_pyvista(data: Any) -> Mesh | StructuredGrid | MultiBlock:
         data = data.cast_to_structured_grid()
     if isinstance(data, pyvista.StructuredGrid):
         layout = DataSet(GRID, _array(data.points), dimensions=tuple(data.dimensions))
+    elif isinstance(data, pyvista.UnstructuredGrid) and (data.celltypes == POLYHEDRON).any():
+        return _through_a_file(data)
     elif isinstance(data, pyvista.UnstructuredGrid):
         layout = DataSet(MESH, _array(data.points))
         # pyvista 0.48 renamed `offset`.
         offsets = data.cell_offsets if hasattr(data, "cell_offsets") else data.offset
         layout.types, layout.offsets = _array(data.celltypes), _array(offsets)
         layout.connectivity = _array(data.cell_connectivity)
+        layout.whole_polygons = True
     elif isinstance(data, pyvista.PolyData):
         layout = _poly_data(data)
     else:
@@ -124,6 +134,14 @@ def from_pyvista(data: Any) -> Mesh | StructuredGrid | MultiBlock:
     layout.cell_data = {name: _array(data.cell_data[name]) for name in data.cell_data.keys()}  # noqa: SIM118
     layout.field_data = {name: _array(data.field_data[name]) for name in data.field_data.keys()}  # noqa: SIM118
     return decoded(layout)
+
+
+def _through_a_file(data: pyvista.UnstructuredGrid) -> PolyhedralMesh:
+    """Polyhedra, whose faces VTK hands out in a way that changes with its version, by a file of the grid."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "polyhedra.vtu"
+        data.save(path)
+        return read_vtk_xml(path)
 
 
 def _array(values: Any) -> np.ndarray:

@@ -16,11 +16,11 @@ from pathlib import Path
 from typing import Any, NamedTuple, Union
 
 from ..errors import InvalidInput, MeshcoreError, MissingLibrary
-from ..mesh import Mesh, MultiBlock, StructuredGrid
+from ..mesh import Mesh, MultiBlock, PolyhedralMesh, StructuredGrid
 from .content import recognised
 from .fit import FormatWarning, Holds, fitted
 
-AnyMesh = Union[Mesh, StructuredGrid, MultiBlock]
+AnyMesh = Union[Mesh, PolyhedralMesh, StructuredGrid, MultiBlock]
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ def read(path: str | os.PathLike) -> AnyMesh:
 
     Returns
     -------
-    Mesh, StructuredGrid or MultiBlock
+    Mesh, PolyhedralMesh, StructuredGrid or MultiBlock
         As the file holds it. What a format and a Mesh name differently is told in the format's own module.
 
     Raises
@@ -149,7 +149,7 @@ def write(path: str | os.PathLike, mesh: AnyMesh, **options: Any) -> None:
     ----------
     path : path
         Where to; an existing file is replaced.
-    mesh : Mesh, StructuredGrid or MultiBlock
+    mesh : Mesh, PolyhedralMesh, StructuredGrid or MultiBlock
         Structured grids are written as quads or hexahedra where the format knows no structure.
     **options
         What the format offers, such as ``binary=False``.

@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..errors import InvalidInput
-from ..mesh import CELL_TYPES, Mesh, MultiBlock, StructuredGrid
+from ..mesh import CELL_TYPES, Mesh, MultiBlock, PolyhedralMesh, StructuredGrid
 from ..mesh.structured_grid import FACES
 from .fit import warn_dropped
+from .polyhedra import holds_polyhedra, listed, polyhedral
 from .ragged import LINE, VERTEX, cells_by_kind
 
 SET_PREFIX = "set:"
@@ -33,6 +34,10 @@ class DataSet:
         Points along i, j, k of a structured grid.
     types, connectivity, offsets : int arrays
         Cells of an unstructured grid, as `cells_by_kind` takes them.
+    faces, face_starts : int arrays
+        VTK's streams of the faces of polyhedra, and where in them each cell begins; empty without polyhedra.
+    whole_polygons : bool
+        Whether polyhedra, or polygons alone, are read as a `PolyhedralMesh`; otherwise polygons are cut.
     point_data, cell_data, field_data : dict of str to (n, ...) array
         Data. Sets of cells stand in ``cell_data`` as 0 and 1, so that VTK's filters carry them along.
     """
@@ -43,12 +48,15 @@ class DataSet:
     types: np.ndarray = field(default_factory=lambda: np.empty(0, np.uint8))
     connectivity: np.ndarray = field(default_factory=lambda: np.empty(0, np.int64))
     offsets: np.ndarray = field(default_factory=lambda: np.zeros(1, np.int64))
+    faces: np.ndarray = field(default_factory=lambda: np.empty(0, np.int64))
+    face_starts: np.ndarray = field(default_factory=lambda: np.empty(0, np.int64))
+    whole_polygons: bool = False
     point_data: dict[str, np.ndarray] = field(default_factory=dict)
     cell_data: dict[str, np.ndarray] = field(default_factory=dict)
     field_data: dict[str, np.ndarray] = field(default_factory=dict)
 
 
-def encoded(mesh: Mesh | StructuredGrid) -> DataSet:
+def encoded(mesh: Mesh | PolyhedralMesh | StructuredGrid) -> DataSet:
     """A mesh or a structured grid as VTK lays it out.
 
     Raises
@@ -65,6 +73,8 @@ def encoded(mesh: Mesh | StructuredGrid) -> DataSet:
     """
     if isinstance(mesh, StructuredGrid):
         return _encoded_grid(mesh)
+    if isinstance(mesh, PolyhedralMesh):
+        return DataSet(MESH, mesh.points, **listed(mesh), **_plain_data(mesh, mesh.cell_data), whole_polygons=True)
     blocks = list(mesh.cells.items())
     sizes = [np.full(len(c), c.shape[1]) for _, c in blocks]
     cell_data = dict(mesh.cell_data)
@@ -79,10 +89,16 @@ def encoded(mesh: Mesh | StructuredGrid) -> DataSet:
         types=np.concatenate([empty, *(np.full(len(c), CELL_TYPES[k].vtk) for k, c in blocks)]).astype(np.uint8),
         connectivity=np.concatenate([empty, *(c.ravel() for _, c in blocks)]),
         offsets=np.concatenate([[0], np.cumsum(np.concatenate([empty, *sizes]))]).astype(np.int64),
-        point_data={name: _plain(name, v) for name, v in mesh.point_data.items()},
-        cell_data={name: _plain(name, v) for name, v in cell_data.items()},
-        field_data={name: _plain(name, np.atleast_1d(v)) for name, v in mesh.field_data.items()},
+        **_plain_data(mesh, cell_data),
     )
+
+
+def _plain_data(mesh: Mesh | PolyhedralMesh, cell_data: dict[str, np.ndarray]) -> dict[str, dict[str, np.ndarray]]:
+    return {
+        "point_data": {name: _plain(name, v) for name, v in mesh.point_data.items()},
+        "cell_data": {name: _plain(name, v) for name, v in cell_data.items()},
+        "field_data": {name: _plain(name, np.atleast_1d(v)) for name, v in mesh.field_data.items()},
+    }
 
 
 def _encoded_grid(grid: StructuredGrid) -> DataSet:
@@ -119,7 +135,7 @@ def _plain(name: str, values: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(values)
 
 
-def decoded(data: DataSet) -> Mesh | StructuredGrid:
+def decoded(data: DataSet) -> Mesh | PolyhedralMesh | StructuredGrid:
     """What `encoded` laid out, or what VTK itself made; a structured grid with one row of points becomes lines."""
     if data.kind == GRID:
         ni, nj, nk = data.dimensions
@@ -128,6 +144,8 @@ def decoded(data: DataSet) -> Mesh | StructuredGrid:
         if sum(n > 1 for n in data.dimensions) >= 2:
             return _decoded_grid(data)
         data = _row_of_points(data)
+    if data.whole_polygons and holds_polyhedra(data):
+        return polyhedral(data)
     cells, origin = cells_by_kind(data.types, data.connectivity, data.offsets, data.points)
     sets, cell_data = {}, {}
     for name, values in data.cell_data.items():

@@ -15,7 +15,7 @@ from urllib.parse import quote, unquote
 import numpy as np
 
 from ..errors import InvalidInput
-from ..mesh import Mesh, StructuredGrid
+from ..mesh import Mesh, PolyhedralMesh, StructuredGrid
 from .content import exact, whole
 from .fit import ALL_CELLS, Holds
 from .ragged import POLY_LINE, POLY_VERTEX, POLYGON, TRIANGLE_STRIP
@@ -282,6 +282,7 @@ class _Body:
 
     def _join_groups(self) -> None:
         data = self.data
+        data.whole_polygons = self.kind == "UNSTRUCTURED_GRID"
         types, corners, offsets = [np.empty(0, np.int64)], [np.empty(0, np.int64)], [np.zeros(1, np.int64)]
         for vtk_type, connectivity, ends in self.groups:
             n = max(len(ends) - 1, 0)
@@ -291,6 +292,8 @@ class _Body:
             offsets.append(ends[1:] + sum(len(c) for c in corners))
             corners.append(connectivity)
         data.types, data.connectivity, data.offsets = map(np.concatenate, (types, corners, offsets))
+        # A polyhedron is listed by its stream of faces, which begins where its corners would.
+        data.faces, data.face_starts = data.connectivity, data.offsets[:-1]
 
 
 def _field(cursor: _Cursor, words: list[str]) -> dict[str, np.ndarray]:
@@ -315,7 +318,7 @@ def _array(cursor: _Cursor, rows: int, columns: int, type_name: str, name: str) 
 # ---- writing
 
 
-def write_vtk(path: Path, mesh: Mesh | StructuredGrid, *, binary: bool = True) -> None:
+def write_vtk(path: Path, mesh: Mesh | PolyhedralMesh | StructuredGrid, *, binary: bool = True) -> None:
     """A mesh as an unstructured grid, a structured grid as such."""
     data = encoded(mesh)
     if len(data.points) >= 2**31:
@@ -329,7 +332,12 @@ def write_vtk(path: Path, mesh: Mesh | StructuredGrid, *, binary: bool = True) -
     out.line(f"POINTS {len(data.points)} double")
     out.values(data.points)
     if data.kind == MESH:
-        padded = np.insert(data.connectivity, data.offsets[:-1], np.diff(data.offsets)).astype(np.int32)
+        listed, offsets = (
+            (data.faces, np.append(data.face_starts, len(data.faces)))
+            if len(data.faces)
+            else (data.connectivity, data.offsets)
+        )  # a polyhedron is listed by its stream of faces
+        padded = np.insert(listed, offsets[:-1], np.diff(offsets)).astype(np.int32)
         out.line(f"CELLS {len(data.types)} {len(padded)}")
         out.values(padded)
         out.line(f"CELL_TYPES {len(data.types)}")
@@ -387,7 +395,16 @@ register(
     "legacy VTK",
     (".vtk",),
     "any mesh, or one structured grid, with all its data",
-    Holds(cells=ALL_CELLS, blocks=1, point_data=True, cell_data=True, field_data=True, sets=True),
+    Holds(
+        cells=ALL_CELLS,
+        blocks=1,
+        polygons=True,
+        polyhedra=True,
+        point_data=True,
+        cell_data=True,
+        field_data=True,
+        sets=True,
+    ),
     read=read_vtk,
     write=write_vtk,
 )

@@ -17,8 +17,9 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ..errors import InvalidInput
-from ..mesh import Mesh, MultiBlock, StructuredGrid
+from ..mesh import Mesh, MultiBlock, StructuredGrid, polygons
 from .fit import ALL_CELLS, SURFACE_CELLS, Holds
+from .polyhedra import POLYHEDRON, face_streams
 from .ragged import POLY_LINE, POLY_VERTEX, POLYGON, TRIANGLE_STRIP
 from .registry import AnyMesh, register
 from .vtk_data import GRID, MESH, DataSet, decoded, together
@@ -75,7 +76,33 @@ def _unstructured(file: XmlFile, piece: ElementTree.Element) -> DataSet:
         raise InvalidInput(f"{n_cells} cells are promised, but there are {len(data.types)}")
     data.point_data = _data(file, piece, "PointData", n_points)
     data.cell_data = _data(file, piece, "CellData", n_cells)
+    data.whole_polygons = True
+    if (data.types == POLYHEDRON).any():
+        _add_faces(file, piece, data)
     return data
+
+
+def _add_faces(file: XmlFile, piece: ElementTree.Element, data: DataSet) -> None:
+    """The faces of polyhedra, as streams, or since VTK 9.4 as rows."""
+
+    def array(name: str) -> np.ndarray:
+        return _required(file, piece, "Cells", name).astype(np.int64)
+
+    names = {element.get("Name") for element in piece.find("Cells") or ()}
+    ends = array("faceoffsets" if "faces" in names else "polyhedron_offsets")
+    if len(ends) != len(data.types):
+        raise InvalidInput(f"{len(data.types)} cells are promised, but there are offsets of faces for {len(ends)}")
+    if "faces" in names:
+        # Each polyhedron's stream begins where the one before it ends; other cells have -1.
+        data.faces = array("faces")
+        data.face_starts = np.where(ends < 0, -1, np.maximum.accumulate(np.concatenate([[0], ends[:-1]])))
+        return
+    rows, nodes, used = np.append(0, array("face_offsets")), array("face_connectivity"), array("polyhedron_to_faces")
+    counts = np.diff(ends, prepend=0)
+    rising = (np.diff(rows) >= 0).all() and (counts >= 0).all() and rows[-1] <= len(nodes) and ends[-1] <= len(used)
+    if not rising or (len(used) and not 0 <= used.min() <= used.max() < len(rows) - 1):
+        raise InvalidInput("the faces of its polyhedra do not fit their offsets")
+    data.faces, data.face_starts = face_streams(*polygons.taken(rows, nodes, used), counts)
 
 
 def _poly(file: XmlFile, piece: ElementTree.Element) -> DataSet:
@@ -173,8 +200,8 @@ _EVERYTHING = {"point_data": True, "cell_data": True, "field_data": True, "sets"
 register(
     "VTK unstructured",
     (".vtu",),
-    "any mesh with all its data",
-    Holds(cells=ALL_CELLS, **_EVERYTHING),
+    "any mesh, of polygons and polyhedra too, with all its data",
+    Holds(cells=ALL_CELLS, polygons=True, polyhedra=True, **_EVERYTHING),
     read=read_vtk_xml,
     write=write_vtu,
 )
@@ -182,7 +209,7 @@ register(
     "VTK surface",
     (".vtp",),
     "points, curves and surfaces with all their data",
-    Holds(cells=SURFACE_CELLS, **_EVERYTHING),
+    Holds(cells=SURFACE_CELLS, polygons=True, **_EVERYTHING),
     read=read_vtk_xml,
     write=write_vtp,
 )

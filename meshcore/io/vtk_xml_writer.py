@@ -12,7 +12,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from ..errors import InvalidInput
-from ..mesh import Mesh, MultiBlock, StructuredGrid
+from ..mesh import Mesh, MultiBlock, PolyhedralMesh, StructuredGrid
 from .vtk_data import DataSet, encoded
 from .vtk_xml_arrays import TYPE_NAMES
 
@@ -83,16 +83,24 @@ def _save(path: Path, text: str) -> None:
     path.write_text(text, encoding="utf-8", newline="\n")
 
 
-def write_vtu(path: Path, mesh: Mesh, *, binary: bool = True) -> None:
+def write_vtu(path: Path, mesh: Mesh | PolyhedralMesh, *, binary: bool = True) -> None:
     """Any mesh."""
     data = encoded(mesh)
     cells = {"connectivity": data.connectivity, "offsets": data.offsets[1:], "types": data.types}
+    if len(data.faces):
+        cells["faces"] = data.faces
+        cells["faceoffsets"] = np.append(data.face_starts[1:], len(data.faces))
     attributes = f'NumberOfPoints="{len(data.points)}" NumberOfCells="{len(data.types)}"'
     _save(path, _piece("UnstructuredGrid", attributes, data, _section("Cells", cells, binary), binary))
 
 
-def write_vtp(path: Path, mesh: Mesh, *, binary: bool = True) -> None:
+def write_vtp(path: Path, mesh: Mesh | PolyhedralMesh, *, binary: bool = True) -> None:
     """Vertices, lines, triangles and quads; VTK stores them in this order, so a mesh in another is sorted."""
+    if isinstance(mesh, PolyhedralMesh):
+        polys = {"connectivity": mesh.face_nodes, "offsets": mesh.face_offsets[1:]}
+        attributes = f'NumberOfPoints="{mesh.n_points}" NumberOfPolys="{mesh.n_cells}"'
+        _save(path, _piece("PolyData", attributes, encoded(mesh), _section("Polys", polys, binary), binary))
+        return
     rank = {"vertex": 0, "line": 1, "triangle": 2, "quad": 2}
     groups = {"vertex": "Verts", "line": "Lines", "triangle": "Polys", "quad": "Polys"}
     kinds = sorted(mesh.cells, key=lambda kind: rank[kind])

@@ -68,10 +68,10 @@ class Mesh:
 
     def __post_init__(self) -> None:
         set_ = object.__setattr__
-        set_(self, "points", _checked_points(self.points))
+        set_(self, "points", checked_points(self.points))
         set_(self, "cells", {k: _checked_cells(k, v, len(self.points)) for k, v in dict(self.cells).items()})
-        set_(self, "point_data", _checked_data(self.point_data, self.n_points, "point"))
-        set_(self, "cell_data", _checked_data(self.cell_data, self.n_cells, "cell"))
+        set_(self, "point_data", checked_data(self.point_data, self.n_points, "point"))
+        set_(self, "cell_data", checked_data(self.cell_data, self.n_cells, "cell"))
         set_(self, "sets", {k: _checked_set(k, v, self.n_cells) for k, v in dict(self.sets).items()})
         set_(self, "field_data", {k: np.ascontiguousarray(v) for k, v in dict(self.field_data).items()})
 
@@ -207,7 +207,8 @@ class Mesh:
         )
 
 
-def _checked_points(points: Any) -> np.ndarray:
+def checked_points(points: Any) -> np.ndarray:
+    """(n, 3) float: finite coordinates, planar ones with z = 0; or `InvalidInput`, `InvalidGeometry`."""
     try:
         points = np.ascontiguousarray(points, dtype=np.float64)
     except (TypeError, ValueError):
@@ -251,7 +252,8 @@ def _checked_cells(kind: str, cells: Any, n_points: int) -> np.ndarray:
     return cells
 
 
-def _checked_data(data: Mapping[str, Any], count: int, what: str) -> dict[str, np.ndarray]:
+def checked_data(data: Mapping[str, Any], count: int, what: str) -> dict[str, np.ndarray]:
+    """Arrays of ``count`` rows each, or `InvalidInput` that names the one at fault."""
     checked = {}
     for name, values in dict(data).items():
         values = np.ascontiguousarray(values)

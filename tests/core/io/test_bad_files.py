@@ -240,7 +240,7 @@ POOR = {
     "polyhedron.vtk": (
         "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 1 double\n0 0 0\nCELLS 1 2\n1 0\n"
         "CELL_TYPES 1\n42\n",
-        "type 42",
+        "faces of cell 0",
     ),
 }
 
