@@ -417,3 +417,20 @@ def nearest_on_simplex(corners, point):
             if min(sides) >= 0:
                 least = min(least, float(np.linalg.norm(point - foot)))
     return least
+
+
+# ---- gradation: sweeps over all edges until nothing changes
+
+
+def limited(edges, lengths, sizes, gradation):
+    """Sizes lowered edge by edge (Borouchaki, Hecht & Frey)."""
+    sizes = [float(h) for h in sizes]
+    changed = True
+    while changed:
+        changed = False
+        for (a, b), length in zip(edges, lengths, strict=True):
+            for p, q in ((a, b), (b, a)):
+                if sizes[p] + gradation * length < sizes[q]:
+                    sizes[q] = sizes[p] + gradation * length
+                    changed = True
+    return np.array(sizes)

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
 from ..errors import InvalidInput
-from ..geometry.curves import Curve
+from ..geometry.alternating_digital_tree import Nearest
 from ..mesh import Mesh
 
 SizeField = Callable[[np.ndarray], np.ndarray]
 """``size_field(points)`` takes (m, 3) points and returns (m,) largest edge lengths, greater than zero."""
-
-_MAX_SAMPLES = 2_000_000
 
 
 def evaluated(size_field: SizeField, points: np.ndarray, parameter: str = "size_field") -> np.ndarray:
@@ -49,29 +46,13 @@ def evaluated(size_field: SizeField, points: np.ndarray, parameter: str = "size_
     return sizes
 
 
-def graded(curve_or_points: Curve, near: float, growth: float, far: float) -> SizeField:
-    """A size that is ``near`` at a curve and grows with the distance from it, up to ``far``.
-
-    ::
-
-        size                     ______ far
-          |                 ____/
-          |            ____/    slope = growth - 1
-          |  near ____/
-          +-----------------------------> distance
-
-    Neighbouring triangles of sizes h and growth * h stand h apart, so the size grows by ``growth - 1`` a unit length.
+def constant(size: float) -> SizeField:
+    """The same size everywhere.
 
     Parameters
     ----------
-    curve_or_points : Mesh or (n, 3) float
-        Line cells, whose whole length counts; or points, each on its own.
-    near : float
-        Edge length at the curve.
-    growth : float
-        Ratio of the sizes of neighbouring triangles, above 1; 1.1 to 1.3 is usual.
-    far : float
-        Edge length that is not exceeded.
+    size : float
+        Edge length.
 
     Returns
     -------
@@ -81,7 +62,96 @@ def graded(curve_or_points: Curve, near: float, growth: float, far: float) -> Si
     Raises
     ------
     InvalidInput
-        If sizes are not positive, ``near`` exceeds ``far``, or ``growth`` is not above 1.
+        If the size is not finite or not greater than zero.
+
+    Examples
+    --------
+    >>> constant(0.5)(np.zeros((2, 3)))
+    array([0.5, 0.5])
+    """
+    size = _positive("size", size)
+    return lambda points: np.full(len(points), size)
+
+
+def smallest(*fields: SizeField) -> SizeField:
+    """The smallest of several size fields at each place.
+
+    Parameters
+    ----------
+    *fields : callable
+        Each takes (m, 3) points and returns (m,) sizes.
+
+    Returns
+    -------
+    SizeField
+        Called with (m, 3) points.
+
+    Raises
+    ------
+    InvalidInput
+        If there is none.
+
+    Examples
+    --------
+    >>> field = smallest(constant(0.5), lambda points: points[:, 0])
+    >>> field(np.array([[0.1, 0.0, 0.0], [3.0, 0.0, 0.0]]))
+    array([0.1, 0.5])
+    """
+    if not fields:
+        raise InvalidInput("needs at least one size field, got none", parameter="fields")
+
+    def field(points: np.ndarray) -> np.ndarray:
+        sizes = evaluated(fields[0], points, "fields")
+        for other in fields[1:]:
+            sizes = np.minimum(sizes, evaluated(other, points, "fields"))
+        return sizes
+
+    return field
+
+
+def graded(
+    curve_or_points: Mesh | np.ndarray, near: float | np.ndarray, growth: float, far: float, *, radius: float = 0.0
+) -> SizeField:
+    """A source: a size that is ``near`` at points, curves or surfaces and grows with the distance, up to ``far``.
+
+    ::
+
+        size                           ______ far
+          |                       ____/
+          |                  ____/    slope = growth - 1
+          |  near __________/
+          +---------------------------------> distance
+                  <-radius->
+
+    Neighbouring triangles of sizes h and growth * h stand h apart, so the size grows by ``growth - 1`` a unit length.
+
+    Parameters
+    ----------
+    curve_or_points : Mesh or (n, 3) float
+        Triangles and quads, whose whole area counts; line cells, whose whole length does; or points, each on its own.
+        A boundary is given as a whole.
+    near : float or (n,) float
+        Edge length at the source; one for each of its points, linear between them, or one for all.
+    growth : float
+        Ratio of the sizes of neighbouring triangles, above 1; 1.1 to 1.3 is usual.
+    far : float
+        Edge length that is not exceeded.
+    radius : float
+        Distance up to which the size stays ``near``.
+
+    Returns
+    -------
+    SizeField
+        Called with (m, 3) points.
+
+    Raises
+    ------
+    InvalidInput
+        If sizes are not positive, ``near`` exceeds ``far``, ``growth`` is not above 1, or ``radius`` is negative.
+
+    References
+    ----------
+    Survey, section 3.2.3.
 
     Examples
     --------
@@ -89,40 +159,46 @@ def graded(curve_or_points: Curve, near: float, growth: float, far: float) -> Si
     >>> field(np.array([[0.0, 0, 0], [1, 0, 0], [100, 0, 0]]))
     array([0.1, 0.6, 1. ])
     """
-    for name, value in (("near", near), ("far", far)):
-        if not np.isfinite(value) or value <= 0:
-            raise InvalidInput(f"must be finite and greater than zero, got {value}", parameter=name)
-    if near > far:
-        raise InvalidInput(f"must not exceed far = {far:g}, got {near:g}", parameter="near")
+    far = _positive("far", far)
+    mesh = curve_or_points if isinstance(curve_or_points, Mesh) else Mesh(curve_or_points, {})
+    near = np.broadcast_to(_positive("near", near), (mesh.n_points,)) if np.ndim(near) == 0 else near
+    near = np.asarray(near, float)
+    if near.shape != (mesh.n_points,):
+        raise InvalidInput(f"needs one size, or one for each of {mesh.n_points} points", parameter="near")
+    if len(near):
+        _positive("near", float(near[np.argmin(np.where(np.isfinite(near), near, -np.inf))]))
+        if near.max() > far:
+            raise InvalidInput(f"must not exceed far = {far:g}, got {near.max():g}", parameter="near")
     if not np.isfinite(growth) or growth <= 1:
         raise InvalidInput(f"must be above 1, got {growth}; 1.2 is usual", parameter="growth")
-    samples, gap = _samples(curve_or_points, near)
-    from scipy.spatial import cKDTree  # a third of a second, which not every start should take
-
-    tree = cKDTree(samples)
+    if not np.isfinite(radius) or radius < 0:
+        raise InvalidInput(f"must be finite and not negative, got {radius}", parameter="radius")
+    parts = [(corners, Nearest(mesh.points[corners])) for corners in _simplices(mesh)]
 
     def field(points: np.ndarray) -> np.ndarray:
-        distance, _ = tree.query(np.asarray(points, float).reshape(-1, 3))
-        # A point of the curve is at most half a gap from a sample: the error stays on the side of smaller sizes.
-        return np.minimum(near + (growth - 1) * np.maximum(distance - gap / 2, 0.0), far)
+        points = np.asarray(points, float).reshape(-1, 3)
+        sizes = np.full(len(points), far)
+        for corners, nearest in parts:
+            item, weights, distance = nearest.query(points)
+            at = (near[corners[item]] * weights).sum(axis=1)
+            sizes = np.minimum(sizes, at + (growth - 1) * np.maximum(distance - radius, 0.0))
+        return sizes
 
     return field
 
 
-def _samples(curve: Any, near: float) -> tuple[np.ndarray, float]:
-    """Points so dense on the lines that gaps are at most half of ``near``, and the largest gap."""
-    mesh = curve if isinstance(curve, Mesh) else Mesh(curve, {})
+def _positive(name: str, value: float) -> float:
+    if not np.isfinite(value) or value <= 0:
+        raise InvalidInput(f"must be finite and greater than zero, got {value}", parameter=name)
+    return float(value)
+
+
+def _simplices(mesh: Mesh) -> list[np.ndarray]:
+    """The surfaces and the lines of a mesh, or else its points: (m, 3), (m, 2) or (m, 1) int."""
     if not mesh.n_points:
         raise InvalidInput("needs at least one point, got none", parameter="curve_or_points")
-    lines = mesh.get("line")
-    if not len(lines):
-        return mesh.points, 0.0
-    start, stop = mesh.points[lines[:, 0]], mesh.points[lines[:, 1]]
-    length = np.linalg.norm(stop - start, axis=1)
-    gap = max(near / 2, float(length.sum()) / _MAX_SAMPLES)
-    parts = np.maximum(np.ceil(length / gap), 1).astype(np.int64)
-    line = np.repeat(np.arange(len(lines)), parts)
-    step = np.arange(len(line)) - np.repeat(np.cumsum(parts) - parts, parts)
-    share = (step / parts[line])[:, None]
-    inner = start[line] + share * (stop - start)[line]
-    return np.concatenate([inner, stop]), float((length / parts).max())
+    solid = mesh.boundary if mesh.dimension == 3 else mesh
+    quads = solid.get("quad")
+    found = [np.concatenate([solid.get("triangle"), quads[:, :3], quads[:, [0, 2, 3]]]), mesh.get("line")]
+    found = [corners for corners in found if len(corners)]
+    return found or [np.arange(mesh.n_points)[:, None]]
