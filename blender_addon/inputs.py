@@ -6,6 +6,7 @@ from __future__ import annotations
 import itertools
 from typing import TYPE_CHECKING, Any
 
+import bpy
 import numpy as np
 
 from .convert import ReadingFailed, Source, read
@@ -15,6 +16,22 @@ if TYPE_CHECKING:
 
 READABLE = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 _MODES = {"OBJECT", "EDIT"}
+
+
+def by_name(declaration: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """The inputs that are objects chosen by name, not by selection: optional ones of faces where the first is lines."""
+    ports = declaration["inputs"]
+    first = next(iter(ports.values()), None)
+    return {
+        name: port
+        for name, port in ports.items()
+        if port is not first and port["optional"] and _lines_only(first) and not _lines_only(port)
+    }
+
+
+def _selected_ports(declaration: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    named = by_name(declaration)
+    return {name: port for name, port in declaration["inputs"].items() if name not in named}
 
 
 def problem(context: Any, declaration: dict[str, Any]) -> str:
@@ -36,7 +53,7 @@ def problem(context: Any, declaration: dict[str, Any]) -> str:
 
 def wanted_text(declaration: dict[str, Any]) -> str:
     """What to select, in words."""
-    ports = declaration["inputs"]
+    ports = _selected_ports(declaration)
     first = next(iter(ports.values()), None)
     if first is None:
         return "nothing"
@@ -47,10 +64,11 @@ def wanted_text(declaration: dict[str, Any]) -> str:
     return f"{len(ports)} curves ({', '.join(ports)}), or one closed curve"
 
 
-def gather(context: Any, declaration: dict[str, Any]) -> list[Source]:
+def gather(context: Any, declaration: dict[str, Any], chosen: dict[str, str] | None = None) -> list[Source]:
     """The inputs in the order of the ports: the active object first, then the other selected ones.
 
-    A single input of lines takes all selected objects together, such as an outline and its holes.
+    A single input of lines takes all selected objects together, such as an outline and its holes. Inputs `by_name` come
+    last; ``chosen`` has the names of their objects, and these do not count as selected.
 
     Raises
     ------
@@ -59,13 +77,35 @@ def gather(context: Any, declaration: dict[str, Any]) -> list[Source]:
     """
     if text := problem(context, declaration):
         raise ReadingFailed(text)
-    ports = list(declaration["inputs"].values())
+    named = {
+        name: _object(chosen[name], port) for name, port in by_name(declaration).items() if (chosen or {}).get(name)
+    }
+    sources = _gathered(context, declaration, list(named.values()))
+    return sources + [read(context, ob, declaration["inputs"][name]["cells"]) for name, ob in named.items()]
+
+
+def _object(name: str, port: dict[str, Any]) -> Any:
+    """An object by its name."""
+    ob = bpy.data.objects.get(name)
+    if ob is None:
+        raise ReadingFailed(f"there is no object {name!r}; {port['description'].lower()}")
+    if ob.type not in READABLE:
+        raise ReadingFailed(f"{name} ({ob.type.lower()}) has no faces; {port['description'].lower()}")
+    return ob
+
+
+def _gathered(context: Any, declaration: dict[str, Any], left_out: list[Any]) -> list[Source]:
+    """The inputs that are selected."""
+    ports = list(_selected_ports(declaration).values())
     if not ports:
         return []
     active = context.active_object
+    if active in left_out:
+        raise ReadingFailed(f"{active.name} is the active object and chosen by name, too; make the other one active")
     others = []
     if active.mode == "OBJECT":
         others = [ob for ob in context.selected_objects if ob is not active and ob.type in READABLE]
+        others = [ob for ob in others if ob not in left_out]
         others.sort(key=lambda ob: ob.name)
     if len(ports) == 1:
         everything = [active, *others] if _lines_only(ports[0]) else [active]
@@ -124,7 +164,12 @@ def _joined(sources: list[Source]) -> Source:
     for name in set.intersection(*[set(mesh.cell_data) for mesh in meshes]):
         data[name] = np.concatenate([mesh.cell_data[name] for mesh in meshes])
     points = np.concatenate([mesh.points for mesh in meshes])
-    return Source(Mesh(points, {"line": lines}, cell_data=data), sources[0].name, parts=tuple(sources))
+    at_points = {
+        name: np.concatenate([mesh.point_data[name] for mesh in meshes])
+        for name in set.intersection(*[set(mesh.point_data) for mesh in meshes])
+    }
+    joined = Mesh(points, {"line": lines}, point_data=at_points, cell_data=data)
+    return Source(joined, sources[0].name, parts=tuple(sources))
 
 
 def _lines_only(port: dict[str, Any]) -> bool:

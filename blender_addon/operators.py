@@ -52,7 +52,7 @@ class OperationBase:
     def invoke(self, context: Any, event: Any) -> set[str]:
         """Fill in lengths that depend on the input, and compute in the background."""
         try:
-            self._sources = inputs.gather(context, self.declaration)
+            self._sources = inputs.gather(context, self.declaration, self._chosen())
             self._fill_lengths()
             self._job = Job(self._call(context))
         except Exception as error:  # whatever it is, the user gets one line and keeps the scene
@@ -90,7 +90,7 @@ class OperationBase:
         manager.progress_begin(0, 100)
         context.workspace.status_text_set(f"meshcore: {COMPILING}")
         try:
-            self._sources = inputs.gather(context, self.declaration)
+            self._sources = inputs.gather(context, self.declaration, self._chosen())
             self._job = Job(self._call(context), lambda fraction, message: manager.progress_update(int(100 * fraction)))
             self._job.run()
         except Exception as error:  # whatever it is, the user gets one line and keeps the scene
@@ -102,9 +102,16 @@ class OperationBase:
 
     def draw(self, context: Any) -> None:
         """The redo panel: parameters under their headings, advanced ones last."""
+        self.layout.use_property_split = True
+        for name in inputs.by_name(self.declaration):
+            self.layout.prop(self, name)
         draw_parameters(self.layout, self, self.declaration["params"])
 
     # ---- steps
+
+    def _chosen(self) -> dict[str, str]:
+        """The names of the objects that the properties choose."""
+        return {name: getattr(self, name) for name in inputs.by_name(self.declaration)}
 
     def _call(self, context: Any) -> functools.partial:
         """The operation with its inputs and parameters, ready for any thread."""
@@ -123,7 +130,8 @@ class OperationBase:
         """Show relative lengths as what they are for this input, unless the caller set them."""
         if not self._sources:
             return
-        corners = np.concatenate([source.mesh.bounds for source in self._sources])
+        named = sum(map(bool, self._chosen().values()))
+        corners = np.concatenate([source.mesh.bounds for source in self._sources[: len(self._sources) - named]])
         diagonal = float(np.linalg.norm(np.ptp(corners, axis=0)))
         for name, declared in self.declaration["params"].items():
             default = declared["default"]
@@ -235,7 +243,10 @@ def operator_class(identifier: str, declaration: dict[str, Any]) -> type:
 
     body = {
         "__doc__": declaration["summary"],
-        "__annotations__": {name: properties.annotation(one) for name, one in declaration["params"].items()},
+        "__annotations__": {
+            **{name: properties.object_name(port) for name, port in inputs.by_name(declaration).items()},
+            **{name: properties.annotation(one) for name, one in declaration["params"].items()},
+        },
         "identifier": identifier,
         "declaration": declaration,
         "bl_idname": PREFIX + identifier,

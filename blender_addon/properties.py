@@ -11,6 +11,8 @@ from typing import Any
 import bpy
 import numpy as np
 
+from . import inputs
+
 # Blender has no "not set" for numbers: zero stands for None and for a length relative to the input.
 _FACTORIES = {
     "bool": ("BoolProperty", "BoolVectorProperty"),
@@ -106,17 +108,32 @@ def _description(declared: dict[str, Any]) -> str:
     return text
 
 
+def object_name(port: dict[str, Any]) -> Any:
+    """The Blender property that names the object of an optional input."""
+    return bpy.props.StringProperty(
+        name=port["label"], description=f"{port['description']}; empty for none", search=_objects_with_faces
+    )
+
+
+def _objects_with_faces(self: Any, context: Any, typed: str) -> list[str]:
+    """Names of the scene's meshes that have faces."""
+    found = [ob.name for ob in context.scene.objects if ob.type == "MESH" and len(ob.data.polygons)]
+    return [name for name in found if typed.lower() in name.lower()]
+
+
 def _attribute_names(self: Any, context: Any, typed: str) -> list[str]:
-    """Number attributes of the active object, for the field that names one."""
-    data = context.object.data if context.object else None
+    """Number attributes of the active object and of those chosen by name, for the field that names one."""
+    ports = {name for declared in registry()["operations"].values() for name in inputs.by_name(declared)}
+    chosen = [context.scene.objects.get(getattr(self, name, "")) for name in sorted(ports)]
     found = [
         attribute.name
-        for attribute in getattr(data, "attributes", ())
+        for ob in (context.object, *chosen)
+        for attribute in getattr(ob.data if ob else None, "attributes", ())
         if attribute.domain in ("POINT", "FACE")
         and attribute.data_type in ("FLOAT", "INT")
         and not attribute.name.startswith(".")
     ]
-    return [name for name in found if typed.lower() in name.lower()]
+    return [name for name in dict.fromkeys(found) if typed.lower() in name.lower()]
 
 
 @functools.cache

@@ -221,7 +221,7 @@ class Operation:
         """All that hosts see, as plain JSON-ready data."""
         params = {name: _plain_param(p) for name, p in self.params.items()}
         inputs = {
-            name: {"description": p.description, "cells": list(p.cells), "optional": p.optional}
+            name: {"label": p.label, "description": p.description, "cells": list(p.cells), "optional": p.optional}
             for name, p in self.inputs.items()
         }
         return {

@@ -1048,13 +1048,22 @@ class meshcoreConstrainedDelaunay(Operation):
     """
     <Documentation short_help="Delaunay Refinement">Triangulate what closed loops of lines enclose, with no angle
     below a bound.</Documentation>
-    <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
+    <InputProperty name="Input" label="Boundary" port_index="0" command="SetInputConnection">
       <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
       <DataTypeDomain name="input_type" composite_data_supported="0">
         <DataType value="vtkDataSet"/>
       </DataTypeDomain>
       <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
       <Documentation>Closed loops of line cells, planar; loops inside are holes.</Documentation>
+    </InputProperty>
+    <InputProperty name="Background" label="Background" port_index="1" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Triangles whose point array is the size wanted, over the boundary.</Documentation>
+      <Hints><Optional/></Hints>
     </InputProperty>
     <DoubleVectorProperty name="MinAngle" label="Min Angle" command="SetMinAngle" number_of_elements="1" default_values="30.0" panel_visibility="default">
       <DoubleRangeDomain name="range" min="0" max="34"/>
@@ -1068,6 +1077,15 @@ class meshcoreConstrainedDelaunay(Operation):
     <DoubleVectorProperty name="MaxArea" label="Max Area" command="SetMaxArea" number_of_elements="1" default_values="0" panel_visibility="default">
       <DoubleRangeDomain name="range" min="0"/>
       <Documentation>Largest area of a triangle; none by default; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <StringVectorProperty name="SizeArray" label="Size Array" command="SetSizeArray" number_of_elements="1" default_values="None" panel_visibility="default">
+      <ArrayListDomain name="array_list" none_string="None" input_domain_name="arrays"><RequiredProperties><Property name="Input" function="Input"/></RequiredProperties></ArrayListDomain>
+      <Documentation>Point array of sizes, of the background or else of the boundary; empty for none.</Documentation>
+    </StringVectorProperty>
+    <DoubleVectorProperty name="Gradation" label="Gradation" command="SetGradation" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Largest growth of the size per unit length, such as 0.2; no limit by default; 0 leaves it
+      out.</Documentation>
     </DoubleVectorProperty>
     <IntVectorProperty name="Placement" label="Placement" command="SetPlacement" number_of_elements="1" default_values="0" panel_visibility="advanced">
       <EnumerationDomain name="enum"><Entry value="0" text="automatic"/><Entry value="1" text="off-centre"/><Entry value="2" text="circumcentre"/></EnumerationDomain>
@@ -1086,6 +1104,8 @@ class meshcoreConstrainedDelaunay(Operation):
       <Property name="MinAngle"/>
       <Property name="Size"/>
       <Property name="MaxArea"/>
+      <Property name="SizeArray"/>
+      <Property name="Gradation"/>
     </PropertyGroup>
     <PropertyGroup label="Advanced">
       <Property name="Placement"/>
@@ -1097,7 +1117,7 @@ class meshcoreConstrainedDelaunay(Operation):
 class meshcoreDelaunayRefinement(Operation):
     operation = "delaunay_refinement"
     label = "meshcore Delaunay Refinement"
-    ports = (("boundary", "lines", False),)
+    ports = (("boundary", "lines", False), ("background", "mesh", True))
     output = "vtkUnstructuredGrid"
 
     def SetMinAngle(self, value):
@@ -1108,6 +1128,12 @@ class meshcoreDelaunayRefinement(Operation):
 
     def SetMaxArea(self, value):
         self.set("max_area", value or None)
+
+    def SetSizeArray(self, value):
+        self.set("size_array", "" if value == NO_ARRAY else value)
+
+    def SetGradation(self, value):
+        self.set("gradation", value or None)
 
     def SetPlacement(self, value):
         self.set("placement", ('automatic', 'off-centre', 'circumcentre')[value])

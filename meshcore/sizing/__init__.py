@@ -1,5 +1,20 @@
 """Spacing along curves and size fields in the plane and in space."""
 
+from .background import background_field
+from .gradation import limited, limited_field
+from .size_field import constant, graded, smallest
 from .spacing import cells_for_growth, cosine, geometric, hyperbolic_tangent, uniform
 
-__all__ = ["cells_for_growth", "cosine", "geometric", "hyperbolic_tangent", "uniform"]
+__all__ = [
+    "background_field",
+    "cells_for_growth",
+    "constant",
+    "cosine",
+    "geometric",
+    "graded",
+    "hyperbolic_tangent",
+    "limited",
+    "limited_field",
+    "smallest",
+    "uniform",
+]

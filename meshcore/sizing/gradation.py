@@ -51,7 +51,9 @@ def limited(mesh: Mesh, sizes: str | np.ndarray | SizeField, gradation: float) -
     gradation = checked_gradation(gradation)
     sizes = evaluated(sizes, mesh.points, "sizes") if callable(sizes) else checked_sizes(mesh, sizes, "sizes")
     edges = mesh.edges
-    length = np.linalg.norm(mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]], axis=1)
+    along = mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]]
+    scale = float(np.abs(along).max(initial=0.0)) or 1.0  # squares of lengths below 1e-154 would underflow
+    length = scale * np.linalg.norm(along / scale, axis=1)
     ends = np.concatenate([edges[:, 0], edges[:, 1]])
     order = np.argsort(ends, kind="stable")
     start = np.concatenate([[0], np.cumsum(np.bincount(ends, minlength=mesh.n_points))])

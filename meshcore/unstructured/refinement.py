@@ -13,9 +13,10 @@ from ..mesh import Mesh
 from ..operation import Length, Param, Port, absolute, operation
 from ..progress import Progress, advance, part_of, silent
 from ..report import Report, Result
-from ..sizing.size_field import SizeField, evaluated
+from ..sizing.size_field import SizeField
 from .constrained import ConstrainedTriangulation, constrained
 from .domain import Domain, domain, seeds
+from .painted import sizing
 from .planar_graph import planar_graph
 from .refiner import Refinement, Refiner
 
@@ -23,6 +24,10 @@ from .refiner import Refinement, Refiner
 @operation("Delaunay Refinement", category="Unstructured")
 def delaunay_refinement(
     boundary: Annotated[Mesh, Port("Closed loops of line cells, planar; loops inside are holes", cells=("line",))],
+    background: Annotated[
+        Mesh | None,
+        Port("Triangles whose point array is the size wanted, over the boundary", cells=("triangle", "quad")),
+    ] = None,
     *,
     min_angle: Annotated[
         float,
@@ -35,6 +40,14 @@ def delaunay_refinement(
     ] = 30.0,
     size: Annotated[Length | None, Param("Largest edge length; none by default")] = None,
     max_area: Annotated[float | None, Param("Largest area of a triangle; none by default", min=0)] = None,
+    size_array: Annotated[
+        str,
+        Param("Point array of sizes, of the background or else of the boundary; empty for none", array=True),
+    ] = "",
+    gradation: Annotated[
+        float | None,
+        Param("Largest growth of the size per unit length, such as 0.2; no limit by default", min=0),
+    ] = None,
     placement: Annotated[
         Literal["automatic", "off-centre", "circumcentre"],
         Param("Where new points go inside", advanced=True),
@@ -73,12 +86,21 @@ def delaunay_refinement(
     boundary : Mesh
         "line" cells in the plane z = 0 or any other; lines may touch, overlap and repeat. "vertex" cells become points
         of the mesh. ``field_data`` "holes" and "regions" are used where the arguments are not given.
+    background : Mesh, optional
+        Triangles or quads in the plane, with the sizes at their points; see `meshcore.sizing.background_field`.
     min_angle : float
         Smallest angle, in degrees. With 0 this is the constrained Delaunay triangulation, refined for size only.
     size : Length, optional
         No edge is longer.
     max_area : float, optional
         No triangle is larger; the square of the boundary's unit.
+    size_array : str
+        Point array of sizes: of the background, where an empty name takes the only array there is; without a background
+        of the boundary, whose sizes are carried inwards, linear on the triangles between its own points.
+    gradation : float, optional
+        Sizes of the background, the boundary or the field grow no faster per unit length: 0.2 means triangles that are
+        at most 1.2 times as large as their neighbours. With none of these given, the lengths of the boundary's lines
+        are the sizes.
     placement : {"automatic", "off-centre", "circumcentre"}
         Where the point goes that removes a triangle: at its off-centre, near enough to the shortest edge to make a
         triangle with just the angle asked for, which takes fewer points; or at its circumcentre, as the survey has
@@ -110,11 +132,11 @@ def delaunay_refinement(
     InvalidGeometry
         If the outline is open, lines cross, the boundary is not planar, or a seed lies on a line.
     InvalidInput
-        If limits would make more than 50 million triangles, or the size field is not positive and finite.
+        If limits would make more than 50 million triangles, or sizes are missing or not positive and finite.
 
     References
     ----------
-    Survey, section 3.2.4. J. Ruppert, J. Algorithms 18 (1995); J. R. Shewchuk, Comput. Geom. 22 (2002);
+    Survey, sections 3.2.3 and 3.2.4. J. Ruppert, J. Algorithms 18 (1995); J. R. Shewchuk, Comput. Geom. 22 (2002);
     A. Uengoer, Comput. Geom. 42 (2009).
 
     Examples
@@ -140,6 +162,7 @@ def delaunay_refinement(
         graph, split_crossings=crossings == "split", parameter="boundary", progress=part_of(progress, 0.0, 0.2)
     )
     parts = domain(mesh, marks, np.inf if max_area is None else max_area)
+    sizes = sizing(boundary, background, size_array, gradation, size_field, plane, mesh, parts)
     refiner = Refiner(
         mesh,
         parts,
@@ -147,10 +170,13 @@ def delaunay_refinement(
         size=np.inf if size is None else absolute(size, diagonal),
         placement=placement,
         split_boundary=split_boundary,
-        size_field=None if size_field is None else lambda places: evaluated(size_field, plane.to_space(places)),
+        size_field=sizes,
         progress=part_of(progress, 0.2, 0.9),
     )
-    refinement = refiner.run()
+    try:
+        refinement = refiner.run()
+    except InvalidInput as error:
+        raise (sizes.explained(error) if sizes else error) from error
     advance(progress, 0.9, "checking the mesh")
     return _result(boundary, plane, mesh, parts, refinement, min_angle, split_boundary)
 

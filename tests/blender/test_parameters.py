@@ -26,7 +26,9 @@ def shown(identifier):
 
 @pytest.mark.parametrize("identifier", OPERATIONS)
 def test_names_in_order_and_no_other(identifier):
-    assert list(shown(identifier)) == list(OPERATIONS[identifier]["params"])
+    named = scene.addon("inputs").by_name(OPERATIONS[identifier])
+    assert list(shown(identifier)) == [*named, *OPERATIONS[identifier]["params"]]
+    assert all(named[name]["optional"] and shown(identifier)[name].type == "STRING" for name in named)
 
 
 @pytest.mark.parametrize("identifier", OPERATIONS)

@@ -1,0 +1,167 @@
+"""Where refinement has its sizes from: arrays on a background or on the boundary, a callable, and their gradation."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import InvalidInput
+from ..geometry.plane import Plane
+from ..mesh import Mesh
+from ..sizing.background import background_field, checked_sizes
+from ..sizing.gradation import checked_gradation, limited, limited_field
+from ..sizing.size_field import SizeField, evaluated, smallest
+from .constrained import ConstrainedTriangulation
+from .domain import Domain
+
+# Cells along the longer side of the grid on which the gradation of a callable is limited.
+_GRID = 128
+
+
+class Sizing:
+    """A size field over the plane of the boundary, which remembers where it was smallest.
+
+    Parameters
+    ----------
+    field : callable
+        Takes (m, 3) points of space, returns (m,) sizes.
+    plane : Plane
+        Of the boundary.
+    parameter : str
+        What errors call the sizes.
+    """
+
+    def __init__(self, field: SizeField, plane: Plane, parameter: str):
+        self._field, self._plane, self._parameter = field, plane, parameter
+        self._least, self._place = np.inf, np.zeros(3)
+
+    def __call__(self, places: np.ndarray) -> np.ndarray:
+        """(m,) sizes at (m, 2) places of the plane, checked."""
+        points = self._plane.to_space(places)
+        sizes = evaluated(self._field, points, self._parameter)
+        if len(sizes) and sizes.min() < self._least:
+            self._least, self._place = float(sizes.min()), points[sizes.argmin()]
+        return sizes
+
+    def explained(self, error: InvalidInput) -> InvalidInput:
+        """The error of too many triangles, with the place of the smallest size."""
+        if error.parameter != "size_field":
+            return error
+        place = ", ".join(f"{x:.6g}" for x in self._place)
+        text = str(error).removeprefix("size_field: ")
+        return InvalidInput(f"{text}; the smallest size is {self._least:.3g}, at ({place})", parameter=self._parameter)
+
+
+def sizing(
+    boundary: Mesh,
+    background: Mesh | None,
+    size_array: str,
+    gradation: float | None,
+    size_field: SizeField | None,
+    plane: Plane,
+    triangulation: ConstrainedTriangulation,
+    domain: Domain,
+) -> Sizing | None:
+    """The size field that the arguments of `delaunay_refinement` ask for; None if they ask for none.
+
+    Parameters
+    ----------
+    boundary, background, size_array, gradation, size_field
+        As `delaunay_refinement` has them.
+    plane : Plane
+        Of the boundary.
+    triangulation : ConstrainedTriangulation
+        Of the boundary, not refined yet.
+    domain : Domain
+        Which of its faces are meshed.
+
+    Raises
+    ------
+    InvalidInput
+        If there is no such array, or sizes are not finite and greater than zero; it says where.
+    """
+    fields, names = [], []
+    if gradation is not None:
+        gradation = checked_gradation(gradation)
+    if size_field is not None:
+        names.append("size_field")
+        if gradation is not None:
+            size_field = limited_field(size_field, _grid(triangulation, plane), gradation)
+        fields.append(size_field)
+    if background is not None:
+        names.append("size_array" if size_array else "background")
+        sizes = checked_sizes(background, size_array or _only_array(background), "background")
+        fields.append(
+            background_field(background, sizes if gradation is None else limited(background, sizes, gradation))
+        )
+    elif size_array or (gradation is not None and size_field is None):
+        names.append("size_array" if size_array else "gradation")
+        carrier = _carrier(plane, triangulation, domain)
+        sizes = _painted(boundary, size_array, triangulation) if size_array else _spacing(triangulation)
+        fields.append(background_field(carrier, sizes if gradation is None else limited(carrier, sizes, gradation)))
+    if not fields:
+        return None
+    return Sizing(fields[0] if len(fields) == 1 else smallest(*fields), plane, " or ".join(names))
+
+
+def _only_array(background: Mesh) -> str:
+    """The name of the background's one array that can be a size."""
+    usable = [
+        name for name, v in background.point_data.items() if v.dtype.kind in "fiu" and v.size == background.n_points
+    ]
+    if len(usable) != 1:
+        there = ", ".join(usable or background.point_data) or "none"
+        raise InvalidInput(
+            f"name the point array of the background that holds the sizes; there are: {there}", parameter="size_array"
+        )
+    return usable[0]
+
+
+def _carrier(plane: Plane, triangulation: ConstrainedTriangulation, domain: Domain) -> Mesh:
+    """The meshed triangles between the boundary's own points: they carry sizes inwards, but not across holes."""
+    corners, slots = triangulation.triangulation.live()
+    kept = corners[domain.keep[triangulation.face[slots]]]
+    cells = np.asarray(triangulation.triangulation.order)[kept].astype(np.int64)
+    return Mesh(plane.to_space(triangulation.graph.points), {"triangle": cells})
+
+
+def _painted(boundary: Mesh, name: str, triangulation: ConstrainedTriangulation) -> np.ndarray:
+    """(n,) sizes at the points of the graph: the boundary's, and at crossings of lines those between its ends."""
+    sizes = checked_sizes(boundary, name, "size_array")
+    graph = triangulation.graph
+    values = np.where(graph.source >= 0, sizes[graph.source], np.inf)
+    segment, end = np.nonzero(graph.source[graph.segments] < 0)
+    crossing = graph.segments[segment, end]
+    first = next(where.start for kind, _, where in boundary.blocks() if kind == "line")
+    ends = boundary.get("line")[graph.line[segment] - first]
+    at = np.full(boundary.n_points, -1)
+    at[graph.source[graph.source >= 0]] = np.flatnonzero(graph.source >= 0)
+    whole = graph.points[at[ends[:, 1]]] - graph.points[at[ends[:, 0]]]
+    part = graph.points[crossing] - graph.points[at[ends[:, 0]]]
+    share = np.linalg.norm(part, axis=1) / np.linalg.norm(whole, axis=1)
+    np.minimum.at(values, crossing, (1 - share) * sizes[ends[:, 0]] + share * sizes[ends[:, 1]])
+    return values
+
+
+def _spacing(triangulation: ConstrainedTriangulation) -> np.ndarray:
+    """(n,) mean length of the segments at each point of the graph; infinite where there are none."""
+    graph = triangulation.graph
+    a, b = graph.points[graph.segments].transpose(1, 0, 2)
+    length = np.repeat(np.linalg.norm(b - a, axis=1), 2)
+    n = len(graph.points)
+    count = np.bincount(graph.segments.ravel(), minlength=n)
+    total = np.bincount(graph.segments.ravel(), length, minlength=n)
+    loose = total[count > 0].max() if len(length) else 1.0
+    return np.divide(total, count, out=np.full(n, loose), where=count > 0)
+
+
+def _grid(triangulation: ConstrainedTriangulation, plane: Plane) -> Mesh:
+    """Triangles of equal size over the bounding box of the graph."""
+    low, high = triangulation.graph.points.min(axis=0), triangulation.graph.points.max(axis=0)
+    step = (high - low).max() / _GRID
+    nx, ny = (int(n) for n in np.maximum(np.ceil((high - low) / step), 1))
+    x, y = np.meshgrid(np.linspace(low[0], high[0], nx + 1), np.linspace(low[1], high[1], ny + 1), indexing="ij")
+    corner = (np.arange(nx)[:, None] * (ny + 1) + np.arange(ny)).ravel()
+    lower = np.column_stack([corner, corner + ny + 1, corner + ny + 2])
+    upper = np.column_stack([corner, corner + ny + 2, corner + 1])
+    points = plane.to_space(np.column_stack([x.ravel(), y.ravel()]))
+    return Mesh(points, {"triangle": np.concatenate([lower, upper])})
