@@ -18,7 +18,7 @@ import bpy
 import numpy as np
 
 if TYPE_CHECKING:
-    from meshcore import Mesh
+    from meshcore import Mesh, PolyhedralMesh
 
 SET_PREFIX = "set:"
 # Attributes with a meaning of Blender's own, which are no data of the mesh.
@@ -83,6 +83,7 @@ def read(context: Any, ob: Any, kinds: Sequence[str]) -> Source:
 
     Where lines are asked for and no faces, that is: loose edges and the open boundary of faces, or in Edit Mode the
     selected edges (a selected region gives its outline). Where triangles are asked for, all faces are triangulated.
+    Where no kind is asked for, all vertices are taken, with or without faces.
 
     Raises
     ------
@@ -105,13 +106,13 @@ def read(context: Any, ob: Any, kinds: Sequence[str]) -> Source:
             missing = _no_lines(ob, data)
         else:
             cells, cell_data, faces = _faces(data, quads=not kinds or "quad" in kinds)
-            missing = f"{ob.name} has no faces; give a mesh with faces"
-        if not sum(map(len, cells.values())):
+            missing = f"{ob.name} has no {'faces; give a mesh with faces' if kinds else 'vertices; add some'}"
+        if not (sum(map(len, cells.values())) if kinds else len(data.vertices)):
             raise ReadingFailed(missing, ob.name)
         points = array(data.vertices, "co", np.float32, 3).astype(float)
         original = ob.type == "MESH" and len(ob.data.vertices) == len(points)
         original = original and len(ob.data.polygons) == len(data.polygons)
-        used = np.zeros(len(points), bool)
+        used = np.full(len(points), not kinds)
         for nodes in cells.values():
             used[nodes] = True
         point_data = {name: values[used] for name, values in attributes(data, "POINT").items()}
@@ -235,6 +236,21 @@ def write(name: str, mesh: Mesh, origin: np.ndarray) -> tuple[Any, list[str]]:
     return data, warnings + _add_cell_data(data, mesh)
 
 
+def write_polygons(name: str, mesh: PolyhedralMesh, origin: np.ndarray) -> tuple[Any, list[str]]:
+    """A new Blender mesh of polygons; of polyhedra each is a closed surface of its own, as pieces of a fracture are.
+
+    "Separate by Loose Parts" makes objects of the pieces; the face attribute "cell" numbers them.
+    """
+    shown = mesh.separated() if mesh.dimension == 3 else mesh
+    data = bpy.data.meshes.new(name)
+    add_points(data, shown.points - origin)
+    add_polygons(data, shown.face_nodes, np.diff(shown.face_offsets))
+    warnings = add_data(data, "POINT", shown.point_data)
+    if data.validate():
+        return data, [*warnings, "Blender removed faces without area or drawn twice; cell data are left out"]
+    return data, warnings + add_data(data, "FACE", shown.cell_data)
+
+
 _CORNERS = {"triangle": 3, "quad": 4, "triangle6": 3, "quad8": 4, "quad9": 4}
 
 
@@ -247,6 +263,12 @@ def add_faces(data: Any, blocks: list[np.ndarray]) -> None:
     """Polygons from (m, k) arrays of vertices, one array after the other, and the edges that they need."""
     corners = np.concatenate([np.empty(0, np.int32), *[b.astype(np.int32).ravel() for b in blocks]])
     total = np.concatenate([np.empty(0, np.int32), *[np.full(len(b), b.shape[1], np.int32) for b in blocks]])
+    add_polygons(data, corners, total)
+
+
+def add_polygons(data: Any, corners: np.ndarray, total: np.ndarray) -> None:
+    """Polygons from the vertices of all of them and the number of each one's, and the edges that they need."""
+    corners, total = corners.astype(np.int32), total.astype(np.int32)
     start = np.cumsum(total, dtype=np.int32) - total
     data.loops.add(len(corners))
     data.loops.foreach_set("vertex_index", corners)

@@ -57,6 +57,8 @@ def wanted_text(declaration: dict[str, Any]) -> str:
     first = next(iter(ports.values()), None)
     if first is None:
         return "nothing"
+    if not first["cells"]:
+        return "a mesh; its vertices are taken"
     if not _lines_only(first):
         return "a mesh with faces"
     if len(ports) == 1:

@@ -20,19 +20,21 @@ def show(context: Any, label: str, source: str, result: Any) -> tuple[Any, list[
     It stands at the source's place, without rotation or scale, so that its coordinates coincide with the source's in
     the world and keep as many digits.
     """
-    from meshcore import Mesh, quality
+    from meshcore import Mesh, PolyhedralMesh, quality
 
     from . import convert
 
-    mesh = result.mesh if isinstance(result.mesh, Mesh) else result.mesh.to_mesh()
+    whole = isinstance(result.mesh, (Mesh, PolyhedralMesh))
+    mesh = result.mesh if whole else result.mesh.to_mesh()
     parent = bpy.data.objects.get(source)
     origin = np.array(parent.matrix_world.translation) if parent else np.zeros(3)
     report = result.report
-    if mesh.n_cells and mesh.dimension > 1:
+    if isinstance(mesh, Mesh) and mesh.n_cells and mesh.dimension > 1:
         mesh = mesh.with_cell_data(**{QUALITY: quality.measure(mesh, MEASURE)})
         report = dataclasses.replace(report, quality=report.quality or quality.summary(mesh))
     name = f"{source} {label}" if source else label
-    data, warnings = convert.write(name, mesh, origin)
+    write = convert.write if isinstance(mesh, Mesh) else convert.write_polygons
+    data, warnings = write(name, mesh, origin)
     _keep_report(data, report)
     ob = bpy.data.objects.new(name, data)
     ob.location = origin

@@ -7,6 +7,7 @@ import ctypes
 import os
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,7 @@ import numpy as np
 
 from .errors import InvalidInput, MeshcoreError, MissingLibrary
 from .io import to_pyvista
-from .mesh import Mesh, MultiBlock, StructuredGrid
+from .mesh import Mesh, MultiBlock, PolyhedralMesh, StructuredGrid
 from .quality import QualityReport, measure, measures
 
 if TYPE_CHECKING:
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 
 FACE, EDGE, MARK = "#dde7f0", "#1d3a57", "#e4572e"
 BLOCKS = ("#dde7f0", "#f4e3cf", "#dcefd9", "#efdcea", "#f5f0c8", "#d5eeee")
+AWAY = (0.4, -1.0, 0.3)
+"""Of volumes the half on this side of the middle is taken away."""
 SUPERSAMPLING = 2
 """Pixels are drawn so many times as fine and averaged, so that lines may be thinner than a pixel."""
 SCALE = 0.12
@@ -29,7 +32,7 @@ SCALE = 0.12
 
 
 def picture(
-    mesh: Mesh | StructuredGrid | MultiBlock,
+    mesh: Mesh | PolyhedralMesh | StructuredGrid | MultiBlock,
     path: str | os.PathLike,
     *,
     scalars: str | np.ndarray | None = None,
@@ -46,7 +49,7 @@ def picture(
 
     Parameters
     ----------
-    mesh : Mesh, StructuredGrid or MultiBlock
+    mesh : Mesh, PolyhedralMesh, StructuredGrid or MultiBlock
         What to draw; line cells are drawn as curves.
     path : path
         File to write; folders are made.
@@ -86,7 +89,7 @@ def picture(
     'square.png'
     """
     blocks = mesh.blocks if isinstance(mesh, MultiBlock) else (mesh,)
-    if not all(isinstance(block, (Mesh, StructuredGrid)) for block in blocks):
+    if not all(isinstance(block, (Mesh, PolyhedralMesh, StructuredGrid)) for block in blocks):
         raise InvalidInput(f"needs a mesh or a grid, got {type(mesh).__name__}", parameter="mesh")
     parts = [b.to_mesh() if isinstance(b, StructuredGrid) else b for b in blocks]
     if not all(part.n_cells for part in parts):
@@ -252,14 +255,21 @@ def _values(parts: list[Mesh], blocks: Sequence, scalars: Any) -> list[np.ndarra
     return [values]
 
 
-def _named(part: Mesh, name: str) -> np.ndarray:
+def _named(part: Mesh | PolyhedralMesh, name: str) -> np.ndarray:
     for data in (part.cell_data, part.point_data):
         if name in data:
             values = data[name]
             return np.linalg.norm(values.reshape(len(values), -1), axis=1) if values.ndim > 1 else values
-    if any(name in measures(kind) for kind in part.cells):
-        return measure(part, name)
-    known = [*part.cell_data, *part.point_data, *sorted({m for kind in part.cells for m in measures(kind)})]
+    if isinstance(part, PolyhedralMesh):
+        own = {"area": 2, "volume": 3}
+        if own.get(name) == part.dimension:
+            return part.volumes
+        offered = [key for key, dimension in own.items() if dimension == part.dimension]
+    else:
+        if any(name in measures(kind) for kind in part.cells):
+            return measure(part, name)
+        offered = sorted({m for kind in part.cells for m in measures(kind)})
+    known = [*part.cell_data, *part.point_data, *offered]
     raise InvalidInput(f"{name!r} is neither data nor a measure; there are {', '.join(known)}", parameter="scalars")
 
 
@@ -280,19 +290,19 @@ def _line_width(parts: list[Mesh], window: tuple[int, int], box: np.ndarray | No
     return float(np.clip(0.1 * pixels, 0.5, 1.3))
 
 
-def _add(plotter: Any, part: Mesh, colour: str, width: float, values: np.ndarray | None) -> Any:
+def _add(plotter: Any, part: Mesh | PolyhedralMesh, colour: str, width: float, values: np.ndarray | None) -> Any:
     """Add curves as lines, of volumes the far half, and faces with edges ``width`` pixels wide; return the actor."""
-    bare = Mesh(part.points, part.cells)
-    data = to_pyvista(bare)
+    part = replace(part, point_data={}, cell_data={}, field_data={})
+    if isinstance(part, PolyhedralMesh) and part.dimension == 3:
+        part, values = _opened(part, values)
+    data = to_pyvista(part)
     if values is not None:
         (data.cell_data if len(values) == part.n_cells else data.point_data)["values"] = values.astype(float)
     if part.dimension < 2:
         plotter.add_mesh(data, color=EDGE, line_width=2 * SUPERSAMPLING, lighting=False, **_colours(values))
         return
     if part.dimension == 3:
-        data = data.clip(normal=(0.4, -1.0, 0.3), origin=data.center, crinkle=True).extract_surface(
-            algorithm="dataset_surface"
-        )
+        data = data.clip(normal=AWAY, origin=data.center, crinkle=True).extract_surface(algorithm="dataset_surface")
     return plotter.add_mesh(
         data,
         color=colour,
@@ -303,6 +313,18 @@ def _add(plotter: Any, part: Mesh, colour: str, width: float, values: np.ndarray
         lighting=not part.is_planar,
         **_colours(values),
     )
+
+
+def _opened(part: PolyhedralMesh, values: np.ndarray | None) -> tuple[PolyhedralMesh, np.ndarray | None]:
+    """The surface of those polyhedra that lie in the half away from the eye, and its values."""
+    far = (part.centroids - part.bounds.mean(axis=0)) @ AWAY <= 0
+    if values is not None:
+        part = part.with_cell_data(v=values) if len(values) == part.n_cells else part.with_point_data(v=values)
+    kept = part.selected(far if far.any() else ~far)
+    surface = kept.boundary
+    if values is not None:
+        values = kept.cell_data["v"][surface.cell_data["cell"]] if "v" in kept.cell_data else kept.point_data["v"]
+    return replace(surface, point_data={}, cell_data={}), values
 
 
 def _colours(values: np.ndarray | None) -> dict[str, Any]:
@@ -348,7 +370,7 @@ def _add_marked(plotter: Any, part: Mesh, marked: Sequence[int]) -> None:
         raise InvalidInput(f"refers to cells beyond the {part.n_cells} there are", parameter="marked")
     some = part.selected(chosen)
     lift = np.array([0, 0, 1e-4 * part.diagonal]) if part.is_planar else 0.0
-    data = to_pyvista(Mesh(some.points + lift, some.cells))
+    data = to_pyvista(replace(some.with_points(some.points + lift), point_data={}, cell_data={}))
     plotter.add_mesh(data, color=MARK, show_edges=True, edge_color=EDGE, line_width=SUPERSAMPLING, lighting=False)
 
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import pymeshlab
 
-from meshcore import InvalidGeometry, InvalidInput, Mesh, MultiBlock, StructuredGrid, quality
+from meshcore import InvalidGeometry, InvalidInput, Mesh, MultiBlock, PolyhedralMesh, StructuredGrid, quality
 from meshcore.mesh import CELL_TYPES
 
 VERTEX_SCALAR, FACE_SCALAR, CELL = "vertex_scalar", "face_scalar", "cell"
@@ -182,14 +182,16 @@ class Layer(NamedTuple):
     vertex_data: dict[str, np.ndarray]
 
 
-def add(ms: pymeshlab.MeshSet, result: Mesh | StructuredGrid | MultiBlock, label: str, measure: str) -> list[int]:
+def add(
+    ms: pymeshlab.MeshSet, result: Mesh | PolyhedralMesh | StructuredGrid | MultiBlock, label: str, measure: str
+) -> list[int]:
     """Add the layers that show a mesh, make the first of them current, and return their ids.
 
     Parameters
     ----------
     ms : pymeshlab.MeshSet
         Gets one layer for lines and surfaces, two for a volume, one or two for each block.
-    result : Mesh, StructuredGrid or MultiBlock
+    result : Mesh, PolyhedralMesh, StructuredGrid or MultiBlock
         What to show.
     label : str
         Label of the first layer.
@@ -245,7 +247,7 @@ def _ply(points: np.ndarray, polygons: list[np.ndarray], scalars: np.ndarray | N
     return b"".join(parts)
 
 
-def layers(result: Mesh | StructuredGrid | MultiBlock, label: str, measure: str) -> Iterator[Layer]:
+def layers(result: Mesh | PolyhedralMesh | StructuredGrid | MultiBlock, label: str, measure: str) -> Iterator[Layer]:
     """The layers that show a mesh: one for lines and surfaces, two for a volume, one or two a block.
 
     Parameters
@@ -260,6 +262,9 @@ def layers(result: Mesh | StructuredGrid | MultiBlock, label: str, measure: str)
     if isinstance(result, MultiBlock):
         for name, block in zip(result.names, result.blocks, strict=True):
             yield from layers(block, f"{label} {name}", measure)
+        return
+    if isinstance(result, PolyhedralMesh):
+        yield from _polygon_layers(label, result)
         return
     mesh = result.to_mesh() if isinstance(result, StructuredGrid) else result
     values = quality.measure(mesh, measure) if measure else np.full(mesh.n_cells, np.nan)
@@ -296,6 +301,22 @@ def _surface(label: str, surface: Mesh, cell: np.ndarray, values: np.ndarray, da
     face = np.repeat(np.arange(len(cell)), np.concatenate([np.full(len(c), c.shape[1] - 2) for c in polygons]))
     face_data = {name: array[cell][face] for name, array in data.items() if name != CELL}
     return Layer(label, layer, {CELL: cell[face], **face_data}, surface.point_data)
+
+
+def _polygon_layers(label: str, mesh: PolyhedralMesh) -> Iterator[Layer]:
+    """Polygons cut into triangles, which MeshLab's filters need; of polyhedra the boundary and an exploded view.
+
+    Each face carries the number of its cell; its scalar is the cell's area or volume.
+    """
+    views = [(label, mesh)]
+    if mesh.dimension == 3:
+        views = [(label, mesh.boundary), (f"{label} exploded", mesh.separated(SHRINK))]
+    for name, view in views:
+        triangles = view.to_mesh()
+        cell = triangles.cell_data[CELL]
+        yield _surface(
+            name, triangles, view.cell_data.get(CELL, np.arange(mesh.n_cells))[cell], mesh.volumes, mesh.cell_data
+        )
 
 
 def _attach(scalar, vector, name: str, array: np.ndarray) -> None:

@@ -113,7 +113,7 @@ def arrays_of(attributes):
 
 
 def fill(output, result):
-    """Put a `Mesh` or a `StructuredGrid` into the VTK dataset that stands for it.
+    """Put a `Mesh`, a `PolyhedralMesh` or a `StructuredGrid` into the VTK dataset that stands for it.
 
     VTK gets copies of the arrays. On numpy's own memory it would crash: a shallow copy of such an array, as
     vtkCellArray and some filters make, does not keep that memory alive.
@@ -128,7 +128,9 @@ def fill(output, result):
     elif isinstance(output, vtkPolyData):
         data = _fill_polydata(output, data)
     else:
-        output.SetCells(numpy_to_vtk(data.types, deep=True), _cell_array(data.offsets, data.connectivity))
+        faces = [numpy_to_vtkIdTypeArray(values, deep=True) for values in (data.face_starts, data.faces)]
+        cells = numpy_to_vtk(data.types, deep=True), _cell_array(data.offsets, data.connectivity)
+        output.SetCells(*cells, *(faces if len(data.faces) else ()))
     output.SetPoints(points)
     add_arrays(output.GetPointData(), data.point_data)
     add_arrays(output.GetCellData(), data.cell_data)

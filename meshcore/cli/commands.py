@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..mesh import MultiBlock
+from ..mesh import MultiBlock, PolyhedralMesh
 from ..operation import Operation, operations
 from . import files, flags, terminal
 
@@ -100,7 +100,8 @@ def run_operation(arguments: argparse.Namespace, inputs: Inputs) -> None:
         if arguments.histogram:
             from .. import quality
 
-            print(f"\n{quality.report(mesh)}")
+            cells = mesh.to_mesh() if operation.output == "polyhedra" else mesh
+            print(f"\n{quality.report(cells)}")
 
 
 def run_list(arguments: argparse.Namespace, inputs: Inputs) -> None:
@@ -127,6 +128,8 @@ def run_quality(arguments: argparse.Namespace, inputs: Inputs) -> None:
     files.check_picture_file(arguments.picture)
     mesh = files.read(arguments.mesh)
     inputs["mesh"] = mesh
+    if isinstance(mesh, PolyhedralMesh):
+        mesh = mesh.to_mesh()  # measures are of triangles and tetrahedra
     blocks = dict(zip(mesh.names, mesh.blocks, strict=True)) if isinstance(mesh, MultiBlock) else {"": mesh}
     reports = {name: quality.report(block, arguments.measure) for name, block in blocks.items()}
     if arguments.picture:

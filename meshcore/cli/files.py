@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InvalidInput
-from ..mesh import Mesh, MultiBlock, StructuredGrid
+from ..mesh import Mesh, MultiBlock, PolyhedralMesh, StructuredGrid
 
 
 def read(path: Path, port_type: Any = None) -> Any:
@@ -26,6 +26,8 @@ def read(path: Path, port_type: Any = None) -> Any:
             raise InvalidInput(f"{path} holds {len(mesh.blocks)} blocks, and this input is one mesh")
         mesh = mesh.blocks[0]
     if isinstance(mesh, StructuredGrid) and "StructuredGrid" not in str(port_type):
+        return mesh.to_mesh()
+    if isinstance(mesh, PolyhedralMesh) and "PolyhedralMesh" not in str(port_type):
         return mesh.to_mesh()
     return mesh
 
@@ -42,16 +44,18 @@ def check_names(outputs: Iterable[Path | None], inputs: Iterable[Path] = ()) -> 
 
 
 def check_mesh_file(path: Path, kind: str) -> None:
-    """Refuse, before the work, a file that cannot take a result of this kind ("mesh" or "grid").
+    """Refuse, before the work, a file that cannot take a result of this kind ("mesh", "grid" or "polyhedra").
 
     Its format is tried on the smallest mesh, in the folder where the result will stand.
     """
     from .. import io
 
     corners = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
-    smallest: Mesh | StructuredGrid = Mesh(corners[:3], {"triangle": [[0, 1, 2]]})
+    smallest: Mesh | PolyhedralMesh | StructuredGrid = Mesh(corners[:3], {"triangle": [[0, 1, 2]]})
     if kind == "grid":
         smallest = StructuredGrid([[corners[0], corners[3]], [corners[1], corners[2]]])
+    elif kind == "polyhedra":
+        smallest = PolyhedralMesh.from_polygons(corners, [[0, 1, 2, 3]])
     with _folder_beside(path) as folder:
         io.write(Path(folder) / path.name, smallest)
 

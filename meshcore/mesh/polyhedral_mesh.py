@@ -159,6 +159,14 @@ class PolyhedralMesh:
     # ---- topology
 
     @cached_property
+    def edges(self) -> np.ndarray:
+        """(k, 2) int: each edge of all faces once, smaller point first, sorted."""
+        pairs, _ = polygons.edges(self.face_offsets, self.face_nodes)
+        count = max(self.n_points, 1)
+        key = np.unique(pairs.min(axis=1) * count + pairs.max(axis=1))
+        return np.column_stack([key // count, key % count])
+
+    @cached_property
     def neighbours(self) -> np.ndarray:
         """(k, 2) int: pairs of cells that share a face, in the plane an edge; the smaller first, sorted."""
         if self.owner is None:

@@ -42,6 +42,7 @@ def from_core(name: str, mesh: Any) -> Any:
     """A core mesh as an object, element by element, with its scalar data as attributes."""
     kinds = {kind: cells.tolist() for kind, cells in mesh.cells.items()}
     lines = kinds.pop("line", [])
+    kinds.pop("vertex", None)  # every vertex of Blender's is one
     faces = [face for cells in kinds.values() for face in cells]
     ob = add_mesh(name, mesh.points, lines, faces)
     domain = "FACE" if faces else "EDGE"

@@ -203,3 +203,51 @@ def test_many_cells_are_quick_enough_to_be_one_array(core, there_and_back):
     assert type(ob.data["meshcore_cells"]["hexahedron"]).__name__ == "IDPropertyArray"
     assert ob.data["meshcore_cells"]["hexahedron"].typecode == "i"
     np.testing.assert_array_equal(back.get("hexahedron"), mesh.get("hexahedron"))
+
+
+def test_where_no_kind_is_asked_for_all_vertices_are_read(core, convert):
+    points = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [5, 5, 0], [0, 2, 1]]
+    alone = scene.add_mesh("alone", points)
+    faced = scene.add_mesh("faced", points, faces=[[0, 1, 2]])
+    for ob in (alone, faced):
+        np.testing.assert_array_equal(convert.read(bpy.context, ob, ()).mesh.points, points)
+    empty = scene.add_mesh("empty", [])
+    with pytest.raises(convert.ReadingFailed, match="empty has no vertices"):
+        convert.read(bpy.context, empty, ())
+
+
+def test_polygons_are_written_whole(core, convert):
+    angle = 2 * np.pi * np.arange(6) / 6
+    points = np.concatenate([np.column_stack([np.cos(angle), np.sin(angle)]), [[2, 0]]])
+    mesh = core.PolyhedralMesh.from_polygons(
+        points, [[0, 1, 2, 3, 4, 5], [0, 6, 1]], cell_data={"site": np.array([4, 2])}
+    )
+    data, warnings = convert.write_polygons("cells", mesh, np.zeros(3))
+    ob = scene.link(bpy.data.objects.new("cells", data))
+    assert warnings == [] and not data.validate()
+    assert scene.faces(ob) == [[0, 1, 2, 3, 4, 5], [0, 6, 1]]
+    assert scene.values(ob, "site").tolist() == [4, 2]
+
+
+def test_polyhedra_are_closed_pieces(core, convert):
+    # Two pyramids on one square.
+    points = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 1], [0.5, 0.5, -1]]
+    sides = [[k, (k + 1) % 4] for k in range(4)]
+    faces = [[0, 3, 2, 1], *[[a, b, 4] for a, b in sides], *[[b, a, 5] for a, b in sides]]
+    mesh = core.PolyhedralMesh(
+        points,
+        np.cumsum([0, *map(len, faces)]),
+        np.concatenate(faces),
+        owner=[0] * 5 + [1] * 4,
+        neighbour=[1] + [-1] * 8,
+        cell_data={"site": np.array([3, 8])},
+    )
+    np.testing.assert_allclose(mesh.volumes, [1 / 3, 1 / 3])
+    data, warnings = convert.write_polygons("pieces", mesh, np.zeros(3))
+    ob = scene.link(bpy.data.objects.new("pieces", data))
+    assert warnings == [] and not data.validate()
+    assert (len(data.vertices), len(data.polygons), len(data.edges)) == (10, 10, 16)
+    assert scene.values(ob, "site").tolist() == [3] * 5 + [8] * 5
+    middle = np.array([[0.5, 0.5, 0.5]] * 5 + [[0.5, 0.5, -0.5]] * 5)
+    outward = [np.dot(face.normal, np.array(face.center) - m) for face, m in zip(data.polygons, middle, strict=True)]
+    assert min(outward) > 0

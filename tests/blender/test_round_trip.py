@@ -20,8 +20,21 @@ def expected(core, identifier):
     inputs, keywords = gallery.arguments(identifier)
     inputs = [scene.rounded(mesh) for mesh in inputs]
     result = core.operations()[identifier].function(*inputs, **keywords)
-    mesh = result.mesh if isinstance(result.mesh, core.Mesh) else result.mesh.to_mesh()
-    return inputs, keywords, mesh, result.report
+    return inputs, keywords, shown(core, result.mesh), result.report
+
+
+def shown(core, mesh):
+    """A result as Blender shows it: polyhedra each on its own, structured grids as quads."""
+    if isinstance(mesh, core.PolyhedralMesh):
+        return mesh.separated() if mesh.dimension == 3 else mesh
+    return mesh if isinstance(mesh, core.Mesh) else mesh.to_mesh()
+
+
+def faces_of(core, mesh):
+    """The nodes of each face."""
+    if isinstance(mesh, core.PolyhedralMesh):
+        return [nodes.tolist() for nodes in np.split(mesh.face_nodes, mesh.face_offsets[1:-1])]
+    return [cell for cells in mesh.cells.values() for cell in cells.tolist()]
 
 
 @pytest.mark.parametrize("identifier", OPERATIONS)
@@ -33,7 +46,7 @@ def test_operator_gives_what_meshcore_gives(core, identifier):
     ob = scene.active()
     assert ob not in objects
     np.testing.assert_allclose(scene.world_points(ob), mesh.points, rtol=0, atol=scene.SINGLE * mesh.diagonal)
-    assert scene.faces(ob) == [cell for cells in mesh.cells.values() for cell in cells.tolist()]
+    assert scene.faces(ob) == faces_of(core, mesh)
     for name, values in [*mesh.point_data.items(), *mesh.cell_data.items()]:
         np.testing.assert_allclose(scene.values(ob, name), values, rtol=scene.SINGLE, atol=scene.SINGLE)
     assert dict(ob.data["meshcore_report"]["counts"]) == report.counts

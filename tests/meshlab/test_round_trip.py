@@ -7,7 +7,9 @@ import pymeshlab
 import pytest
 
 import meshlab_filters
-from meshcore import Mesh, MultiBlock, StructuredGrid, operations, quality
+from meshcore import Mesh, MultiBlock, PolyhedralMesh, StructuredGrid, operations, quality
+from meshcore.io.polyhedra import joined_faces
+from meshcore.mesh import CELL_TYPES
 from tests.meshlab.conftest import add, model_call
 
 EVERY = tuple(operations())
@@ -15,6 +17,8 @@ WITH_INPUT = tuple(name for name, operation in operations().items() if operation
 
 
 def as_mesh(result):
+    if isinstance(result, PolyhedralMesh):
+        return (result.boundary if result.dimension == 3 else result).to_mesh()
     return result.to_mesh() if isinstance(result, StructuredGrid) else result
 
 
@@ -44,17 +48,20 @@ def test_round_trip(ms, identifier):
     assert {k: c.tolist() for k, c in true.cells.items()} == {k: c.tolist() for k, c in expected.cells.items()}
 
     names = ("cell", *expected.cell_data, *expected.point_data)
+    cells = expected.cell_data.get("cell", np.arange(expected.n_cells))
     again = meshlab_filters.to_mesh(ms.current_mesh(), names)
     np.testing.assert_array_equal(again.points, expected.points)
     assert set(again.cells) == set(expected.cells)
     for kind, cells in expected.cells.items():
         same_cells(again.get(kind), cells)
-    np.testing.assert_array_equal(again.cell_data["cell"], np.arange(expected.n_cells))
+    np.testing.assert_array_equal(again.cell_data["cell"], cells)
     for name, values in expected.cell_data.items():
         np.testing.assert_array_equal(again.cell_data[name], values)
     for name, values in expected.point_data.items():
         np.testing.assert_array_equal(again.point_data[name], values)
-    np.testing.assert_array_equal(again.cell_data["face_scalar"], quality.measure(expected, "scaled_jacobian"))
+    whole = isinstance(direct.mesh, PolyhedralMesh)
+    scalar = direct.mesh.volumes[cells] if whole else quality.measure(expected, "scaled_jacobian")
+    np.testing.assert_array_equal(again.cell_data["face_scalar"], scalar)
 
 
 @pytest.mark.parametrize("identifier", WITH_INPUT)
@@ -127,6 +134,34 @@ def test_volumes_come_as_a_boundary_and_an_exploded_view(ms, kind):
     assert ms.get_topological_measures()["connected_components_number"] == len(cells)
     volume = ms.get_geometric_measures()["mesh_volume"]
     assert volume == pytest.approx(0.85**3 * quality.measure(mesh, "volume").sum())  # every face looks outward
+
+
+def test_polygons_come_as_triangles_with_the_number_of_their_cell(ms):
+    angle = 2 * np.pi * np.arange(6) / 6
+    points = np.concatenate([np.column_stack([np.cos(angle), np.sin(angle)]), [[2, 0]]])
+    mesh = PolyhedralMesh.from_polygons(points, [[0, 1, 2, 3, 4, 5], [0, 6, 1]], cell_data={"site": np.array([4, 2])})
+    ids = meshlab_filters.conversion.add(ms, mesh, "cells", "shape")
+    again = meshlab_filters.to_mesh(ms.current_mesh(), ["cell", "site"])
+    assert len(ids) == 1
+    np.testing.assert_array_equal(again.points, mesh.points)
+    assert again.cell_data["cell"].tolist() == [0, 0, 0, 0, 1]
+    assert again.cell_data["site"].tolist() == [4, 4, 4, 4, 2]
+    np.testing.assert_allclose(again.cell_data["face_scalar"], mesh.volumes[[0, 0, 0, 0, 1]])
+
+
+def test_polyhedra_come_as_a_boundary_and_an_exploded_view(ms):
+    box = bricks().to_mesh()
+    facets = np.array(CELL_TYPES["hexahedron"].facets)
+    nodes = box.get("hexahedron")[:, facets].reshape(-1, 4)
+    cell = np.repeat(np.arange(box.n_cells), 6)
+    mesh = joined_faces(box.points, 4 * np.arange(len(nodes) + 1), nodes.ravel(), cell)
+    ids = meshlab_filters.conversion.add(ms, mesh, "cells", "shape")
+    assert len(ids) == 2
+    outer = meshlab_filters.to_mesh(ms.current_mesh(), ["cell"])
+    assert outer.n_cells == 2 * box.boundary.n_cells
+    ms.set_current_mesh(ids[1])
+    assert ms.get_topological_measures()["connected_components_number"] == mesh.n_cells
+    assert ms.get_geometric_measures()["mesh_volume"] == pytest.approx(0.85**3 * mesh.volumes.sum())
 
 
 def test_blocks_come_one_by_one(ms):

@@ -67,6 +67,7 @@ def test_polyhedra_agree_with_the_hexahedra_that_they_are():
     pairs = np.sort(np.column_stack([facets.owner, facets.neighbour])[inner], axis=1)
     assert mesh.neighbours.tolist() == sorted(pairs.tolist())
     assert mesh.n_faces == len(facets.owner)
+    assert mesh.edges.tolist() == bricks.edges.tolist()
     assert mesh.boundary.n_cells == bricks.boundary.n_cells
     assert mesh.boundary.volumes.sum() == pytest.approx(2 * (3 * 4 + 4 * 6 + 3 * 6))
 

@@ -122,6 +122,30 @@ def assert_same(dataset, points, cells, cell_data, point_data):
             np.testing.assert_array_equal(got[name], np.asarray(values), err_msg=name)
 
 
+def assert_same_polyhedra(dataset, mesh):
+    """A dataset holds exactly the polygons or polyhedra, and (at least) the data, of a PolyhedralMesh."""
+    assert dataset.GetNumberOfCells() == mesh.n_cells
+    np.testing.assert_array_equal([dataset.GetPoint(k) for k in range(dataset.GetNumberOfPoints())], mesh.points)
+    offsets, faces = mesh.cell_faces
+    rows = [nodes.tolist() for nodes in np.split(mesh.face_nodes, mesh.face_offsets[1:-1])]
+    for cell in range(mesh.n_cells):
+        own = faces[offsets[cell] : offsets[cell + 1]]
+        found = [rows[f] if mesh.owner is None or mesh.owner[f] == cell else [rows[f][0], *rows[f][:0:-1]] for f in own]
+        ids = vtkIdList()
+        if mesh.dimension == 2:
+            assert dataset.GetCellType(cell) == 7
+            dataset.GetCellPoints(cell, ids)
+            wanted = found[0]
+        else:
+            assert dataset.GetCellType(cell) == 42
+            dataset.GetFaceStream(cell, ids)
+            wanted = [len(found), *(n for face in found for n in (len(face), *face))]
+        assert [ids.GetId(k) for k in range(ids.GetNumberOfIds())] == wanted, cell
+    for attributes, data in ((dataset.GetCellData(), mesh.cell_data), (dataset.GetPointData(), mesh.point_data)):
+        for name, values in data.items():
+            np.testing.assert_array_equal(arrays(attributes)[name], values, err_msg=name)
+
+
 def _add(attributes, arrays):
     for name, values in (arrays or {}).items():
         array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)

@@ -6,7 +6,18 @@ import gc
 
 import numpy as np
 import paraview.simple as pv
-from datasets import assert_same, content, dimensions, fetched, of_mesh, polylines, producer, texts, unstructured
+from datasets import (
+    assert_same,
+    assert_same_polyhedra,
+    content,
+    dimensions,
+    fetched,
+    of_mesh,
+    polylines,
+    producer,
+    texts,
+    unstructured,
+)
 from harness import OUT, load_plugin, run_checks, save
 
 import meshcore
@@ -68,6 +79,8 @@ def assert_same_mesh(dataset, mesh):
         ]
         np.testing.assert_array_equal(content(dataset)[0], points)
         assert dataset.GetNumberOfCells() == mesh.n_cells
+    elif isinstance(mesh, meshcore.PolyhedralMesh):
+        assert_same_polyhedra(dataset, mesh)
     else:
         assert dataset.GetClassName() == "vtkUnstructuredGrid"
         assert_same(dataset, mesh.points, mesh.cells, mesh.cell_data, mesh.point_data)
