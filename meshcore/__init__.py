@@ -11,7 +11,7 @@ from .operation import Length, Relative, operations
 from .progress import Progress, silent
 from .report import Report, Result
 from .structured import o_grid, transfinite
-from .unstructured import constrained_delaunay, delaunay_2d, delaunay_refinement
+from .unstructured import Tetrahedralization, constrained_delaunay, delaunay_2d, delaunay_3d, delaunay_refinement
 
 __all__ = [
     "Cancelled",
@@ -29,9 +29,11 @@ __all__ = [
     "Report",
     "Result",
     "StructuredGrid",
+    "Tetrahedralization",
     "adapt",
     "constrained_delaunay",
     "delaunay_2d",
+    "delaunay_3d",
     "delaunay_refinement",
     "io",
     "locate",

@@ -187,6 +187,21 @@ def triangulated_square(n: int = 4) -> Mesh:
     return Mesh(np.column_stack([x, y]), {"triangle": np.concatenate([lower, upper])}, point_data={"front": front})
 
 
+def cloud_in_a_ball(n: int = 200) -> Mesh:
+    """``n`` points spread evenly, but not regularly, in the unit ball, as "vertex" cells.
+
+    Examples
+    --------
+    >>> cloud_in_a_ball(50)
+    Mesh(50 points, 50 vertex)
+    """
+    k = np.arange(n) + 0.5
+    height, turn = 1 - 2 * k / n, np.pi * (1 + np.sqrt(5)) * k  # directions by the golden section
+    direction = np.column_stack([np.cos(turn) * np.sqrt(1 - height**2), np.sin(turn) * np.sqrt(1 - height**2), height])
+    radius = np.cbrt((k * np.sqrt(2)) % 1)
+    return Mesh(radius[:, None] * direction, {"vertex": np.arange(n)[:, None]})
+
+
 def arguments(identifier: str) -> tuple[tuple[Any, ...], dict[str, Any]]:
     """A small, typical call of an operation: positional inputs and keywords.
 
@@ -205,6 +220,7 @@ def arguments(identifier: str) -> tuple[tuple[Any, ...], dict[str, Any]]:
         "o_grid": ((airfoil("naca0012"),), {"radius": 4.0, "first_height": 0.01, "growth": 1.3}),
         "transfinite": (tuple(lines_through(side) for side in wavy_sides()), {}),
         "constrained_delaunay": ((square_with_hole(),), {}),
+        "delaunay_3d": ((cloud_in_a_ball(),), {}),
         "delaunay_refinement": ((square_with_hole(),), {"min_angle": 30.0}),
         "refined": ((triangulated_square(),), {"indicator": "front", "levels": 2}),
     }

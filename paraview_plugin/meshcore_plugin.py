@@ -1044,6 +1044,31 @@ class meshcoreConstrainedDelaunay(Operation):
 
 
 
+@smproxy.filter(name="meshcoreDelaunay3D", label="meshcore Delaunay 3D", support_reload=False)
+@smhint.xml('<ShowInMenu category="meshcore"/>')
+@smproperty.xml(
+    """
+    <Documentation short_help="Delaunay 3D">Fill the convex hull of points in space with tetrahedra, none of whose
+    spheres has a point inside.</Documentation>
+    <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Points in space; cells are not looked at.</Documentation>
+    </InputProperty>
+    """
+)
+class meshcoreDelaunay3D(Operation):
+    operation = "delaunay_3d"
+    label = "meshcore Delaunay 3D"
+    ports = (("points", "mesh", False),)
+    output = "vtkUnstructuredGrid"
+
+
+
+
 @smproxy.filter(name="meshcoreDelaunayRefinement", label="meshcore Delaunay Refinement", support_reload=False)
 @smhint.xml('<ShowInMenu category="meshcore"/>')
 @smproperty.xml(

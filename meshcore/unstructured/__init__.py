@@ -2,6 +2,8 @@
 
 from .constrained_delaunay import constrained_delaunay
 from .delaunay import delaunay_2d
+from .delaunay_3d import delaunay_3d
 from .refinement import delaunay_refinement
+from .tetrahedralization import Tetrahedralization
 
-__all__ = ["constrained_delaunay", "delaunay_2d", "delaunay_refinement"]
+__all__ = ["Tetrahedralization", "constrained_delaunay", "delaunay_2d", "delaunay_3d", "delaunay_refinement"]

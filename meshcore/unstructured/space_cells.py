@@ -1,0 +1,129 @@
+"""The buffers of a triangulation of space: points, cells, and the lists of each thread that works on them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..geometry import predicates
+from . import _delaunay_3d_kernels as kernels
+from . import _tetrahedra_kernels as layout
+
+_CELLS_A_POINT = 7.2  # of uniform points 6.77, and as many are ever in use at once
+_CACHE_LINE = 64
+
+
+class Lists:
+    """What one thread needs while it inserts points; its cells are those from ``state[NEXT]`` to ``state[END]``."""
+
+    def __init__(self, quantum: float, extent: float, size: int = 1024):
+        self.state = np.zeros(kernels.STATE_SIZE, np.int64)
+        self.state[layout.FREE] = -1
+        self.limits = np.zeros(layout.LIMITS_SIZE)
+        layout.set_limits(self.limits, extent)
+        self.work = predicates.workspace(quantum)
+        self.edges = np.empty(kernels.SMALL**2, np.int32)
+        self.grow(size)
+
+    def grow(self, size: int = 0) -> None:
+        """Make room for larger cavities; between two points nothing is kept in the lists."""
+        size = size or 4 * len(self.cavity)
+        self.cavity = np.empty(size, np.int32)
+        self.facets = np.empty(8 * size, np.int32)
+        self.corners = np.empty(size, np.int32)
+        self.offsets = np.empty(4 * size)
+        self.table = np.empty(48 * size, np.int64)
+
+
+class SpaceCells:
+    """A triangulation of space, ghosts included, as `_tetrahedra_kernels` lays it out.
+
+    Attributes
+    ----------
+    points : (4 * capacity,) float
+        x, y, z and size of each vertex.
+    rows : (capacity,) int32
+        For each vertex the row of its point among the caller's, which decides ties.
+    cells, planes : (16 * capacity,) int32, (8 * capacity,) float
+        Two views of the cells' records.
+    region, facet_id, cell_of : int32
+        Side arrays; empty unless asked for.
+    place : (at least number of vertices + threads,) int32
+        See `_delaunay_3d_kernels`.
+    n_vertices : int
+        Vertices in use.
+    quantum, extent : float
+        A power of two that divides all coordinates, or 0, and a bound, at least 1/2, of their differences.
+    lists : Lists
+        Counters of the triangulation, and lists for one thread.
+    """
+
+    def __init__(self, points: np.ndarray, rows: np.ndarray, quantum: float, extent: float):
+        """Take vertices of which the first four are a positive cell; insert those and their ghosts."""
+        self.points = points
+        self.rows = rows
+        self.n_vertices = len(rows)
+        self.region = np.empty(0, np.int32)
+        self.facet_id = np.empty(0, np.int32)
+        self.cell_of = np.empty(0, np.int32)
+        self.place = np.zeros(self.n_vertices + 1, np.int32)
+        self.quantum, self.extent = quantum, extent
+        self.lists = Lists(quantum, extent)
+        self._set_capacity(int(_CELLS_A_POINT * len(rows)) + 1024)
+        layout.set_first_cells(self.points, self.cells, self.planes)
+        self.lists.state[layout.NEXT] = 5
+
+    @property
+    def state(self) -> np.ndarray:
+        """Counters of the triangulation."""
+        return self.lists.state
+
+    @property
+    def n_cells(self) -> int:
+        """Records in use, those of ghosts and of free cells included."""
+        return int(self.state[layout.NEXT])
+
+    @property
+    def capacity(self) -> int:
+        """Records that there is room for."""
+        return len(self.cells) // 16
+
+    def grow(self) -> None:
+        """Make room for half as many cells again."""
+        self._set_capacity(self.capacity + self.capacity // 2, self.n_cells)
+
+    def _set_capacity(self, capacity: int, used: int = 0) -> None:
+        raw = np.empty(_CACHE_LINE * (capacity + 1), np.uint8)
+        start = -raw.ctypes.data % _CACHE_LINE
+        raw = raw[start : start + _CACHE_LINE * capacity]
+        if used:
+            raw[: _CACHE_LINE * used] = self.cells[: 16 * used].view(np.uint8)
+        self.cells, self.planes = raw.view(np.int32), raw.view(np.float64)
+        for name, width in (("region", 1), ("facet_id", 4)):
+            old = getattr(self, name)
+            if len(old):
+                new = np.zeros(width * capacity, np.int32)
+                new[: width * used] = old[: width * used]
+                setattr(self, name, new)
+        self.lists.state[layout.END] = capacity
+
+    def append(self, points: np.ndarray, rows: np.ndarray, quantum: float, extent: float) -> None:
+        """Add vertices, (4 * k,) coordinates and rows, that are yet to be inserted."""
+        used = self.n_vertices
+        self.points = np.concatenate([self.points[: 4 * used], points])
+        self.rows = np.concatenate([self.rows[:used], rows])
+        self.n_vertices += len(rows)
+        self.place = np.zeros(self.n_vertices + 1, np.int32)
+        if len(self.cell_of):
+            self.cell_of = np.concatenate([self.cell_of[:used], np.full(len(rows), -1, np.int32)])
+        self.quantum, self.extent = quantum, extent
+        state = self.state
+        self.lists = Lists(quantum, extent, len(self.lists.cavity))
+        self.lists.state[:] = state
+
+    def copied(self) -> SpaceCells:
+        """A triangulation that can be changed without changing this one."""
+        copy = object.__new__(SpaceCells)
+        copy.__dict__.update(self.__dict__)
+        copy._set_capacity(self.capacity, self.n_cells)
+        copy.cell_of = self.cell_of.copy()
+        return copy

@@ -1,0 +1,299 @@
+"""Inserts points into a triangulation of space, in chunks, in one thread or many."""
+
+from __future__ import annotations
+
+import os
+import threading
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..errors import GenerationFailed, InvalidGeometry
+from ..geometry import predicates
+from ..progress import Progress, advance, part_of, silent
+from . import _delaunay_3d_kernels as kernels
+from . import _insertion_order_kernels as order_kernels
+from . import _tetrahedra_kernels as layout
+from .insertion_order import insertion_order
+from .space_cells import Lists, SpaceCells
+
+_POINTS_A_CHUNK = 20_000
+_CELLS_A_RANGE = 32_768
+_POINTS_WORTH_A_THREAD = 100_000
+_FIRST_ALONE = 1 / 16  # of the points are inserted by one thread, so that parts have cells of their own
+_PARTITIONS = 3  # points put off are dealt anew this many times before one thread inserts the rest
+_NOTHING = np.empty(0, np.int32)
+
+
+@dataclass(frozen=True)
+class SpaceOrder:
+    """Different points of space in the order of their insertion, the first four a positive cell.
+
+    Attributes
+    ----------
+    rows : (k,) int32
+        Row of each point among the caller's.
+    points : (4 * k,) float
+        x, y, z of each, and a zero.
+    merged, kept : (d,) int64
+        Rows left out, since another point is at the same place, and the rows that stay for them.
+    quantum, extent : float
+        See `SpaceCells`.
+    """
+
+    rows: np.ndarray
+    points: np.ndarray
+    merged: np.ndarray
+    kept: np.ndarray
+    quantum: float
+    extent: float
+
+
+def safe_exponent(points: np.ndarray) -> int:
+    """The power of two by which points are scaled, so that predicates are exact and the filter's bound holds.
+
+    The largest extent becomes at least 1/2, as `_tetrahedra_kernels` asks; the scaling rounds nothing.
+    """
+    scaled, exponent = predicates.rescaled(points)
+    extent = max([0.0, *(float(axis.max() - axis.min()) for axis in scaled.T if len(points))])
+    return exponent - int(np.frexp(extent)[1]) if 0.0 < extent < 0.5 else exponent
+
+
+def extent_of(points: np.ndarray) -> float:
+    """A bound, at least 1/2, of the differences of coordinates of (n, 3) scaled points."""
+    return max([0.5, *(float(axis.max() - axis.min()) for axis in points.T if len(points))]) * (1 + 2.0**-50)
+
+
+def space_order(points: np.ndarray, progress: Progress = silent) -> SpaceOrder:
+    """Order scaled points for insertion: rounds of growing size, each along a Hilbert curve.
+
+    Raises
+    ------
+    InvalidGeometry
+        If the points do not span space.
+    """
+    order = insertion_order(points, 3, rounds=True, progress=progress)
+    n = len(order.rows)
+    records = np.zeros((n, 4))
+    records[:, :3] = order.coordinates.reshape(-1, 3)
+    quantum = predicates.quantum_of(points)
+    first = np.zeros(4, np.int64)
+    rank = layout.first_cell(records.ravel(), n, predicates.workspace(quantum), first)
+    if rank < 4:
+        raise InvalidGeometry(_flatness(n, rank), parameter="points")
+    rows = order.rows
+    if not np.array_equal(first, np.arange(4)):
+        moved = np.concatenate([first, np.delete(np.arange(n), first)])
+        rows, records = rows[moved], records[moved]
+    return SpaceOrder(rows, records.ravel(), order.merged, order.kept, quantum, extent_of(points))
+
+
+def _flatness(n: int, rank: int) -> str:
+    if n < 4:
+        return f"needs at least four different points, got {n}"
+    if rank == 2:
+        return f"all {n} points lie on one line; no volume to mesh"
+    return f"all {n} points lie in one plane; use delaunay_2d for them, or add points off the plane"
+
+
+def number_of_threads(threads: int | None, n_points: int) -> int:
+    """Threads to use: as asked, or all available cores as far as there are points enough for each."""
+    if threads is not None:
+        return threads
+    available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return max(1, min(available, n_points // _POINTS_WORTH_A_THREAD))
+
+
+def insert(space: SpaceCells, start: int, threads: int, progress: Progress = silent) -> np.ndarray:
+    """Insert the vertices from ``start`` on.
+
+    Returns
+    -------
+    fate : (number of vertices,) int32
+        For each inserted vertex the older one at its place, or -1; the former is then no corner of any cell.
+
+    Raises
+    ------
+    GenerationFailed
+        If the kernels meet an impossible state.
+    Cancelled
+        If ``progress`` asks for it; the triangulation is whole then, but lacks points.
+    """
+    n = space.n_vertices
+    fate = np.full(n, -1, np.int32)
+    todo = np.arange(start, n, dtype=np.int32)
+    if threads > 1:
+        alone = min(n, max(start, int(_FIRST_ALONE * n), 4 * _POINTS_A_CHUNK))
+        _insert_alone(space, todo[: alone - start], fate, part_of(progress, 0.0, alone / n))
+        todo = todo[alone - start :]
+        for attempt in range(_PARTITIONS):
+            if len(todo) < threads * _POINTS_A_CHUNK:
+                break
+            before = 1 - len(todo) / n
+            todo = _insert_in_parts(space, todo, fate, threads, attempt, part_of(progress, before, 1.0))
+    _insert_alone(space, todo, fate, part_of(progress, 1 - len(todo) / n, 1.0))
+    return fate
+
+
+def _arguments(space: SpaceCells, lists: Lists, todo, put_off, fate, owner, part, infinite_slot) -> tuple:
+    """All arguments of `insert_points` but the last two."""
+    return (
+        space.points, space.rows, space.cells, space.planes, space.region, space.facet_id, space.cell_of,
+        todo, put_off, fate, owner, part, infinite_slot, lists.cavity, lists.facets, lists.corners, lists.offsets,
+        space.place, lists.edges, lists.table, lists.work, lists.limits, lists.state,
+    )  # fmt: skip
+
+
+def _insert_alone(space: SpaceCells, todo: np.ndarray, fate: np.ndarray, progress: Progress) -> None:
+    """Insert vertices in this thread, whatever cells they touch."""
+    lists = space.lists
+    lists.state[kernels.POINT] = 0
+    status = layout.MORE if len(todo) else layout.DONE
+    owner = np.empty(0, np.uint8)
+    infinite_slot = len(space.place) - 1
+    while status != layout.DONE:
+        advance(progress, lists.state[kernels.POINT] / len(todo), "triangulating points")
+        status = kernels.insert_points(
+            *_arguments(space, lists, todo, _NOTHING, fate, owner, kernels.ANY, infinite_slot),
+            kernels.INSERT, _POINTS_A_CHUNK,
+        )  # fmt: skip
+        if status == layout.FULL_CELLS:
+            space.grow()
+        elif status == layout.FULL_CAVITY:
+            lists.grow()
+        elif status == layout.FAILED:
+            raise GenerationFailed("the Delaunay triangulation met an impossible state; please report the points")
+
+
+@dataclass
+class _Part:
+    """The work of one thread."""
+
+    number: int
+    lists: Lists
+    todo: np.ndarray
+    put_off: np.ndarray = field(init=False)
+    failure: BaseException | None = None
+
+    def __post_init__(self) -> None:
+        self.put_off = np.empty(len(self.todo), np.int32)
+
+    def rest(self) -> np.ndarray:
+        """The points that were not inserted."""
+        done, put_off = self.lists.state[kernels.POINT], self.lists.state[kernels.PUT_OFF]
+        return np.concatenate([self.put_off[:put_off], self.todo[done:]])
+
+
+def _insert_in_parts(
+    space: SpaceCells, todo: np.ndarray, fate: np.ndarray, threads: int, attempt: int, progress: Progress
+) -> np.ndarray:
+    """Insert vertices by threads, each within the cells of its own part of space; return those that need more.
+
+    A part is a stretch of the Hilbert curve (Marot, Pellerin, Remacle 2019). A cell with corners in two parts is
+    changed by nobody, so that no thread ever waits for another; and since the triangulation is unique, it does not
+    matter who inserted what, and when.
+    """
+    owner = _parts(space, todo, threads, attempt)
+    if len(space.place) < space.n_vertices + threads:
+        space.place = np.zeros(space.n_vertices + threads, np.int32)
+    parts = []
+    for k in range(threads):
+        part = _Part(k, Lists(space.quantum, space.extent), todo[owner[todo] == k])
+        part.lists.state[layout.HINT] = layout.first_own(space.cells, space.n_cells, owner, k)
+        parts.append(part)
+    lock, stop = threading.Lock(), threading.Event()
+    workers = [threading.Thread(target=_work, args=(space, part, owner, fate, lock, stop)) for part in parts]
+    for worker in workers:
+        worker.start()
+    try:
+        while any(worker.is_alive() for worker in workers):
+            done = sum(int(part.lists.state[kernels.POINT]) for part in parts)
+            advance(progress, done / len(todo), "triangulating points")
+            for worker in workers:
+                worker.join(0.05 / threads)
+    finally:
+        stop.set()
+        for worker in workers:
+            worker.join()
+        for part in parts:
+            layout.give_back(space.cells, part.lists.state, space.state)
+    for part in parts:
+        if part.failure is not None:
+            raise part.failure
+    return np.sort(np.concatenate([part.rest() for part in parts]))
+
+
+def _parts(space: SpaceCells, todo: np.ndarray, threads: int, attempt: int) -> np.ndarray:
+    """(number of vertices,) uint8: the part of each, by stretches of a Hilbert curve with as many points to insert.
+
+    Each attempt takes another box for the curve, so that points near a border come to lie inside a part.
+    """
+    n = space.n_vertices
+    points = space.points.reshape(-1, 4)[:n]
+    table = np.empty(order_kernels.TABLE_SIZE, np.int32)
+    order_kernels.fill_curve_table(3, table)
+    packed = np.arange(n, dtype=np.uint64)
+    box = np.zeros(4)
+    order_kernels.set_box(points, 3, packed, 0, n, box)
+    box[:3] -= np.array([0.31, 0.17, 0.23]) * attempt * box[3]
+    box[3] *= 1 + 0.37 * attempt
+    order_kernels.set_keys(points, 3, box, table, order_kernels.SHORT_KEY_BITS, packed, 0, n)
+    keys = (packed >> np.uint64(32)).astype(np.uint32)
+    cuts = np.quantile(keys[todo[:: max(1, len(todo) // 100_000)]], np.arange(1, threads) / threads)
+    return np.searchsorted(cuts.astype(np.uint32), keys, side="right").astype(np.uint8)
+
+
+def _work(
+    space: SpaceCells, part: _Part, owner: np.ndarray, fate: np.ndarray, lock: threading.Lock, stop: threading.Event
+) -> None:
+    """Insert a part's points, range of cells after range of cells, until done, told to stop, or out of cells."""
+    lists = part.lists
+    status = layout.MORE if len(part.todo) and lists.state[layout.HINT] >= 0 else layout.DONE
+    infinite_slot = space.n_vertices + part.number
+    try:
+        while status != layout.DONE and not stop.is_set():
+            status = kernels.insert_points(
+                *_arguments(space, lists, part.todo, part.put_off, fate, owner, part.number, infinite_slot),
+                kernels.INSERT, _POINTS_A_CHUNK,
+            )  # fmt: skip
+            if status == layout.FULL_CAVITY:
+                lists.grow()
+            elif status == layout.FULL_CELLS:
+                with lock:
+                    if not _next_range(space, lists):
+                        return
+    except BaseException as failure:  # shown in the thread that asked for the work
+        part.failure = failure
+
+
+def _next_range(space: SpaceCells, lists: Lists) -> bool:
+    """Give a thread a new range of unused cells; False if the buffer is full, which cannot grow while others work."""
+    size = max(_CELLS_A_RANGE, len(lists.cavity))
+    if space.n_cells + size > space.capacity:
+        return False
+    layout.take_range(space.cells, lists.state, space.state, size)
+    return True
+
+
+def locate(space: SpaceCells, points: np.ndarray) -> np.ndarray:
+    """(k,) int32: for each of (k, 3) scaled points a finite cell that holds it, or a ghost if it is outside."""
+    n, k = space.n_vertices, len(points)
+    along_the_curve = insertion_order(points, 3, rounds=False)
+    records = np.zeros((n + k, 4))
+    records[:n] = space.points.reshape(-1, 4)[:n]
+    records[n:, :3] = points
+    lists = Lists(predicates.quantum_of(records[:, :3].copy()), extent_of(records[:, :3]))
+    lists.state[layout.HINT] = space.state[layout.HINT]
+    found = np.full(n + k, -1, np.int32)
+    arguments = list(
+        _arguments(space, lists, n + along_the_curve.rows, _NOTHING, found, np.empty(0, np.uint8), kernels.ANY, 0)
+    )
+    arguments[0] = records.ravel()
+    status = layout.MORE if k else layout.DONE
+    while status == layout.MORE:
+        status = kernels.insert_points(*arguments, kernels.LOCATE, _POINTS_A_CHUNK)
+    if status != layout.DONE:
+        raise GenerationFailed("a point was not found in the triangulation; please report the points")
+    found = found[n:]
+    found[along_the_curve.merged] = found[along_the_curve.kept]
+    return found

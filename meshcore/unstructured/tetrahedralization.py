@@ -1,0 +1,268 @@
+"""The Delaunay triangulation of points in space, to which points can be added and in which they can be located."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..errors import InvalidInput
+from ..geometry import predicates
+from ..mesh import Mesh
+from ..progress import Progress, part_of, silent
+from . import _tetrahedra_export_kernels as export_kernels
+from .insertion_order import insertion_order
+from .space_cells import SpaceCells
+from .space_insertion import extent_of, insert, locate, number_of_threads, safe_exponent, space_order
+
+# What is smaller than this beside an extent of one could underflow in a predicate's products.
+_NEGLIGIBLE = 2.0 ** (predicates.LOWEST_BIT + 53)
+
+
+@dataclass
+class _Canonical:
+    """The finite cells in canonical order: bucket ends, corners by rank, and the row of each rank."""
+
+    rank: np.ndarray
+    starts: np.ndarray
+    corners: np.ndarray
+    row_of_rank: np.ndarray
+
+    def rows(self) -> np.ndarray:
+        """(m, 4) int64: the cells' corners by the caller's rows."""
+        rows = np.empty(len(self.corners), np.int64)
+        export_kernels.write_rows(self.corners, self.row_of_rank, rows, 0, len(rows) // 4)
+        return rows.reshape(-1, 4)
+
+
+class Tetrahedralization:
+    """A Delaunay triangulation of space.
+
+    Made by `from_points`. Of points at one place the first is used. Where five or more points lie on one sphere, the
+    choice is made as if each point were lifted by an infinitesimal, the larger the lower its number: the triangulation
+    is unique, whatever the order of insertion, the number of threads and the platform.
+
+    Attributes
+    ----------
+    points : (n, 3) float
+        All points, in the order in which they were given.
+    merged, kept : (d,) int
+        Points that are no corner of any cell, and the points at the same places that are.
+
+    References
+    ----------
+    Survey, section 3.2.4. C. Marot, J. Pellerin, J.-F. Remacle, "One machine, one minute, three billion tetrahedra",
+    Int. J. Numer. Methods Eng. 117 (2019). H. Edelsbrunner, E. P. Muecke, "Simulation of simplicity", ACM Trans.
+    Graphics 9 (1990).
+
+    Examples
+    --------
+    >>> cube = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+    >>> space = Tetrahedralization.from_points(cube)
+    >>> space.mesh()
+    Mesh(8 points, 5 tetra)
+    >>> space.add([[0.5, 0.5, 0.5]])
+    >>> space.mesh()
+    Mesh(9 points, 12 tetra)
+    >>> cell, weights = space.locate([[0.5, 0.5, 0.5], [2, 0, 0]])
+    >>> cell[1], weights[0].max()
+    (-1, 1.0)
+    """
+
+    def __init__(self, points: np.ndarray, space: SpaceCells, merged: np.ndarray, kept: np.ndarray, exponent: int):
+        self.points = points
+        self.merged, self.kept = merged, kept
+        self._space = space
+        self._exponent = exponent
+        self._by_insertion = True  # vertices are numbered as `space_order` would number all points now
+
+    @classmethod
+    def from_points(cls, points: Any, *, threads: int | None = None, progress: Progress = silent) -> Tetrahedralization:
+        """Triangulate points.
+
+        Parameters
+        ----------
+        points : (n, 3) float, or Mesh
+            At least four that do not lie in one plane.
+        threads : int, optional
+            How many threads share the work; all available cores if not given and there are many points. The result
+            does not depend on it.
+        progress : Progress, optional
+            Called with fraction and message.
+
+        Returns
+        -------
+        Tetrahedralization
+
+        Raises
+        ------
+        InvalidInput
+            If the points have a wrong shape, or coordinates too far apart in magnitude (more than about 1e109).
+        InvalidGeometry
+            If a coordinate is not finite, or all points lie in one plane.
+
+        Examples
+        --------
+        >>> Tetrahedralization.from_points([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]).mesh()
+        Mesh(4 points, 1 tetra)
+        """
+        threads = _checked_threads(threads)
+        points = _coordinates(points)
+        exponent = safe_exponent(points)
+        order = space_order(_scaled(points, exponent), part_of(progress, 0.0, 0.1))
+        space = SpaceCells(order.points, order.rows, order.quantum, order.extent)
+        insert(space, 4, number_of_threads(threads, len(order.rows)), part_of(progress, 0.1, 0.9))
+        return cls(points, space, order.merged, order.kept, exponent)
+
+    def add(self, points: Any, *, threads: int | None = None, progress: Progress = silent) -> None:
+        """Insert more points; they are numbered after those there are.
+
+        The cells are those that all points given at once would have.
+
+        Parameters
+        ----------
+        points : (k, 3) float, or Mesh
+            More points.
+        threads, progress
+            As in `from_points`.
+
+        Raises
+        ------
+        InvalidInput, InvalidGeometry
+            As in `from_points`; nothing is added then.
+
+        Examples
+        --------
+        >>> space = Tetrahedralization.from_points([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+        >>> space.add([[1, 1, 1], [1, 0, 0]])
+        >>> space.mesh(), space.merged.tolist(), space.kept.tolist()
+        (Mesh(6 points, 2 tetra), [5], [1])
+        """
+        threads = _checked_threads(threads)
+        more = _coordinates(points)
+        together = np.concatenate([self.points, more])
+        exponent = safe_exponent(together)
+        if exponent != self._exponent:  # other limits of magnitude: filters and cached spheres would not fit
+            fresh = self.from_points(together, threads=threads, progress=progress)
+            self.__dict__.update(fresh.__dict__)
+            return
+        scaled = _scaled(together, exponent)
+        order = insertion_order(scaled[len(self.points) :], 3, rounds=True, progress=part_of(progress, 0.0, 0.1))
+        records = np.zeros((len(order.rows), 4))
+        records[:, :3] = order.coordinates.reshape(-1, 3)
+        old, n_old = self._space, len(self.points)
+        space = old.copied()
+        space.append(records.ravel(), order.rows + np.int32(n_old), predicates.quantum_of(scaled), extent_of(scaled))
+        fate = insert(space, old.n_vertices, number_of_threads(threads, len(order.rows)), part_of(progress, 0.1, 1.0))
+        doubled = np.flatnonzero(fate >= 0)
+        stays = np.arange(len(together))
+        stays[self.merged] = self.kept
+        stays[space.rows[doubled]] = space.rows[fate[doubled]]
+        stays[n_old + order.merged] = stays[n_old + order.kept]
+        self.merged = np.flatnonzero(stays != np.arange(len(together)))
+        self.kept = stays[self.merged]
+        self.points, self._space, self._by_insertion = together, space, False
+        self.__dict__.pop("_canonical", None)
+
+    def mesh(self) -> Mesh:
+        """The tetrahedra as a mesh on all points, in an order that depends on the points only.
+
+        Returns
+        -------
+        Mesh
+            Positive "tetra" cells that fill the convex hull.
+
+        Examples
+        --------
+        >>> Tetrahedralization.from_points([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]).mesh().cells["tetra"]
+        array([[0, 1, 3, 2]])
+        """
+        return Mesh(self.points, {"tetra": self._canonical.rows()})
+
+    def locate(self, points: Any) -> tuple[np.ndarray, np.ndarray]:
+        """The cell that holds each of some points.
+
+        Parameters
+        ----------
+        points : (k, 3) float
+            Anywhere.
+
+        Returns
+        -------
+        cell : (k,) int
+            Number of a cell of `mesh` that holds the point, or -1 outside the convex hull; decided exactly, but for
+            coordinates below about 1e-48 of the points' extent, which count as zero.
+        barycentric : (k, 4) float
+            Weights of the cell's corners, of sum 1 and not below zero but for rounding; NaN outside.
+
+        Examples
+        --------
+        >>> space = Tetrahedralization.from_points([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+        >>> space.locate([[0.25, 0.25, 0.25]])
+        (array([0]), array([[0.25, 0.25, 0.25, 0.25]]))
+        """
+        asked = _coordinates(points)
+        numbers = np.full(len(asked), -1, np.int64)
+        low, high = self.points.min(axis=0), self.points.max(axis=0)
+        near = np.flatnonzero(((asked >= low) & (asked <= high)).all(axis=1))
+        scaled = _scaled(asked[near], self._exponent)
+        scaled[np.abs(scaled) < _NEGLIGIBLE] = 0.0
+        space, canonical = self._space, self._canonical
+        found = np.empty(len(near), np.int64)
+        export_kernels.cell_numbers(
+            space.cells, locate(space, scaled), canonical.rank, canonical.starts, canonical.corners, found
+        )
+        numbers[near] = found
+        return numbers, self._weights(numbers, asked)
+
+    def _weights(self, numbers: np.ndarray, asked: np.ndarray) -> np.ndarray:
+        """(k, 4) float: barycentric coordinates of points in cells, NaN where the number is negative."""
+        weights = np.full((len(asked), 4), np.nan)
+        inside = np.flatnonzero(numbers >= 0)
+        canonical = self._canonical
+        rows = canonical.row_of_rank[canonical.corners.reshape(-1, 4)[numbers[inside]]]
+        edges = _scaled(self.points[rows], self._exponent) - _scaled(asked[inside], self._exponent)[:, None]
+        for k in range(4):
+            a, b, c = (edges[:, (k + j) % 4] for j in (1, 2, 3))
+            weights[inside, k] = np.abs(np.einsum("ij,ij->i", a, np.cross(b, c)))
+        weights[inside] /= weights[inside].sum(axis=1, keepdims=True)
+        return weights
+
+    @cached_property
+    def _canonical(self) -> _Canonical:
+        space, n = self._space, self._space.n_vertices
+        rank, row_of_rank = np.empty(0, np.int32), space.rows[:n]
+        if not self._by_insertion:
+            row_of_rank = space_order(_scaled(self.points, self._exponent)).rows
+            rank_of_row = np.zeros(len(self.points), np.int32)
+            rank_of_row[row_of_rank] = np.arange(len(row_of_rank))
+            rank = rank_of_row[space.rows[:n]]
+        starts = np.zeros(len(row_of_rank) + 1, np.int64)
+        n_cells = export_kernels.count_cells(space.cells, space.n_cells, rank, starts)
+        corners = np.empty(4 * n_cells, np.int32)
+        export_kernels.fill_buckets(space.cells, space.n_cells, rank, starts, corners)
+        export_kernels.sort_buckets(starts, corners, 0, len(row_of_rank))
+        return _Canonical(rank, starts, corners, row_of_rank)
+
+    def _into_mesh(self) -> Mesh:
+        """`mesh` for the last time: the triangulation's memory is given back before that of the mesh is taken."""
+        canonical = self._canonical
+        del self._space
+        return Mesh(self.points, {"tetra": canonical.rows()})
+
+
+def _coordinates(points: Any) -> np.ndarray:
+    """(n, 3) float: the points of a mesh, or of an array that is checked like one's."""
+    return (points if isinstance(points, Mesh) else Mesh(points, {})).points
+
+
+def _scaled(points: np.ndarray, exponent: int) -> np.ndarray:
+    return np.ldexp(points, exponent) if exponent else points
+
+
+def _checked_threads(threads: int | None) -> int | None:
+    if threads is not None and (isinstance(threads, bool) or threads != int(threads) or not 1 <= threads <= 255):
+        raise InvalidInput(f"needs a whole number from 1 to 255, got {threads!r}", parameter="threads")
+    return None if threads is None else int(threads)
