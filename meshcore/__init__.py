@@ -10,6 +10,7 @@ from .mesh import Mesh, MultiBlock, PolyhedralMesh, StructuredGrid
 from .operation import Length, Relative, operations
 from .progress import Progress, silent
 from .report import Report, Result
+from .sizing import discretised
 from .structured import o_grid, transfinite
 from .unstructured import Tetrahedralization, constrained_delaunay, delaunay_2d, delaunay_3d, delaunay_refinement
 
@@ -35,6 +36,7 @@ __all__ = [
     "delaunay_2d",
     "delaunay_3d",
     "delaunay_refinement",
+    "discretised",
     "io",
     "locate",
     "o_grid",

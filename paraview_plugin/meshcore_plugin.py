@@ -1173,6 +1173,83 @@ class meshcoreDelaunayRefinement(Operation):
 
 
 
+@smproxy.filter(name="meshcoreDiscretisedCurve", label="meshcore Discretised Curve", support_reload=False)
+@smhint.xml('<ShowInMenu category="meshcore"/>')
+@smproperty.xml(
+    """
+    <Documentation short_help="Discretised Curve">Divide a curve into lines as long as a size field asks, keeping
+    its corners.</Documentation>
+    <InputProperty name="Input" label="Curve" port_index="0" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Line cells: chains, loops, and nets of them, in the plane or in space.</Documentation>
+    </InputProperty>
+    <InputProperty name="Background" label="Background" port_index="1" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Triangles whose point array is the size wanted, over the curve.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
+    <DoubleVectorProperty name="Size" label="Size" command="SetSize" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Largest length of a line; 5% of the curve's extent if nothing is given; 0 leaves it
+      out.</Documentation>
+    </DoubleVectorProperty>
+    <StringVectorProperty name="SizeArray" label="Size Array" command="SetSizeArray" number_of_elements="1" default_values="None" panel_visibility="default">
+      <ArrayListDomain name="array_list" none_string="None" input_domain_name="arrays"><RequiredProperties><Property name="Input" function="Input"/></RequiredProperties></ArrayListDomain>
+      <Documentation>Point array of sizes, of the background or else of the curve; empty for none.</Documentation>
+    </StringVectorProperty>
+    <DoubleVectorProperty name="Gradation" label="Gradation" command="SetGradation" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Largest growth of the size per unit length, such as 0.2; no limit by default; 0 leaves it
+      out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="CornerAngle" label="Corner Angle" command="SetCornerAngle" number_of_elements="1" default_values="30.0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0" max="180"/>
+      <Documentation>Points where the curve turns by more are corners, which stay, in degrees.</Documentation>
+    </DoubleVectorProperty>
+    <IntVectorProperty name="Shape" label="Shape" command="SetShape" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="polyline"/><Entry value="1" text="spline"/></EnumerationDomain>
+      <Documentation>What runs between corners: the lines given, or a spline through their ends.</Documentation>
+    </IntVectorProperty>
+    <PropertyGroup label="Parameters">
+      <Property name="Size"/>
+      <Property name="SizeArray"/>
+      <Property name="Gradation"/>
+      <Property name="CornerAngle"/>
+      <Property name="Shape"/>
+    </PropertyGroup>
+    """
+)
+class meshcoreDiscretisedCurve(Operation):
+    operation = "discretised"
+    label = "meshcore Discretised Curve"
+    ports = (("curve", "lines", False), ("background", "mesh", True))
+    output = "vtkUnstructuredGrid"
+
+    def SetSize(self, value):
+        self.set("size", value or None)
+
+    def SetSizeArray(self, value):
+        self.set("size_array", "" if value == NO_ARRAY else value)
+
+    def SetGradation(self, value):
+        self.set("gradation", value or None)
+
+    def SetCornerAngle(self, value):
+        self.set("corner_angle", value)
+
+    def SetShape(self, value):
+        self.set("shape", ('polyline', 'spline')[value])
+
+
+
 @smproxy.filter(name="meshcoreAdaptiveRefinement", label="meshcore Adaptive Refinement", support_reload=False)
 @smhint.xml('<ShowInMenu category="meshcore"/>')
 @smproperty.xml(

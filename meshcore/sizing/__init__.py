@@ -1,6 +1,7 @@
 """Spacing along curves and size fields in the plane and in space."""
 
 from .background import background_field
+from .discretisation import discretised
 from .gradation import limited, limited_field
 from .size_field import constant, graded, smallest
 from .spacing import cells_for_growth, cosine, geometric, hyperbolic_tangent, uniform
@@ -10,6 +11,7 @@ __all__ = [
     "cells_for_growth",
     "constant",
     "cosine",
+    "discretised",
     "geometric",
     "graded",
     "hyperbolic_tangent",

@@ -126,3 +126,26 @@ def checked_sizes(mesh: Mesh, sizes: str | np.ndarray, parameter: str = "sizes")
         )
     values[~used] = np.where(np.isfinite(values[~used]), values[~used], np.inf)
     return values
+
+
+def only_array(background: Mesh) -> str:
+    """The name of a background's one array that can be a size.
+
+    Raises
+    ------
+    InvalidInput
+        If there is none, or more than one.
+
+    Examples
+    --------
+    >>> only_array(Mesh([[0, 0]], {}, {"h": [0.5], "velocity": [[1.0, 0.0]]}))
+    'h'
+    """
+    there = background.point_data if isinstance(background, Mesh) else {}
+    usable = [name for name, v in there.items() if v.dtype.kind in "fiu" and v.size == background.n_points]
+    if isinstance(background, Mesh) and len(usable) != 1:
+        names = ", ".join(usable or there) or "none"
+        raise InvalidInput(
+            f"name the point array of the background that holds the sizes; there are: {names}", parameter="size_array"
+        )
+    return usable[0] if usable else ""

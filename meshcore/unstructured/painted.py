@@ -7,7 +7,7 @@ import numpy as np
 from ..errors import InvalidInput
 from ..geometry.plane import Plane
 from ..mesh import Mesh
-from ..sizing.background import background_field, checked_sizes
+from ..sizing.background import background_field, checked_sizes, only_array
 from ..sizing.gradation import checked_gradation, limited, limited_field
 from ..sizing.size_field import SizeField, evaluated, smallest
 from .constrained import ConstrainedTriangulation
@@ -89,7 +89,7 @@ def sizing(
         fields.append(size_field)
     if background is not None:
         names.append("size_array" if size_array else "background")
-        sizes = checked_sizes(background, size_array or _only_array(background), "background")
+        sizes = checked_sizes(background, size_array or only_array(background), "background")
         fields.append(
             background_field(background, sizes if gradation is None else limited(background, sizes, gradation))
         )
@@ -101,19 +101,6 @@ def sizing(
     if not fields:
         return None
     return Sizing(fields[0] if len(fields) == 1 else smallest(*fields), plane, " or ".join(names))
-
-
-def _only_array(background: Mesh) -> str:
-    """The name of the background's one array that can be a size."""
-    usable = [
-        name for name, v in background.point_data.items() if v.dtype.kind in "fiu" and v.size == background.n_points
-    ]
-    if len(usable) != 1:
-        there = ", ".join(usable or background.point_data) or "none"
-        raise InvalidInput(
-            f"name the point array of the background that holds the sizes; there are: {there}", parameter="size_array"
-        )
-    return usable[0]
 
 
 def _carrier(plane: Plane, triangulation: ConstrainedTriangulation, domain: Domain) -> Mesh:
