@@ -126,8 +126,11 @@ def queue_if_poor(
     else:
         shortest, longest, other, p, q = opposite_c, opposite_a, opposite_b, a, b
     area = abx * cay - aby * cax  # minus twice the area
-    limit = area_limit[U(face[U(t)])]
-    too_large = max(longest, other) > edge_limit[U(t)] or area * area > limit * limit
+    limit = limits[5]
+    if limit < 0.0:
+        limit = area_limit[U(face[U(t)])]
+    longest2 = limits[3] if limits[4] != 0.0 else edge_limit[U(t)]
+    too_large = max(longest, other) > longest2 or area * area > limit * limit
     poor = too_large
     if not poor:
         # Law of cosines at the corner between the two longer edges.
@@ -187,11 +190,13 @@ def refine(
     """Do up to ``steps`` insertions or rejections; ``state`` tells where to go on.
 
     ``limits`` holds the squared cosine of the smallest angle, the squared cosine of the lens, the off-centre's height
-    per length of the shortest edge (0: circumcentres), and the edge length of triangles yet to be judged, squared.
+    per length of the shortest edge (0: circumcentres), the edge length of triangles yet to be judged, squared, whether
+    that is the length for all, and twice the largest area if it is the same in all faces, else -1.
     """
     lens2 = limits[1]
     height = limits[2]
     unjudged = limits[3]
+    uniform = limits[4] != 0.0
     room = len(ring) - 8
     pending = int(state[PENDING])
     for _ in range(steps):
@@ -254,7 +259,7 @@ def refine(
             ab2 = (bx - ax) ** 2 + (by - ay) ** 2
             bc2 = (cx - bx) ** 2 + (cy - by) ** 2
             ca2 = (ax - cx) ** 2 + (ay - cy) ** 2
-            if max(ab2, bc2, ca2) > edge_limit[U(asked >> 2)]:
+            if max(ab2, bc2, ca2) > (unjudged if uniform else edge_limit[U(asked >> 2)]):
                 # A long piece is split at once: its neighbours' circumcentres would only make it thinner first.
                 e = asked if ab2 >= bc2 and ab2 >= ca2 else (asked + 1 if bc2 >= ca2 else asked + 2)
                 if is_constrained(origin, e) and (origin[U(asked + 3)] >> (4 + (e & 3))) & 1 == 0:
@@ -454,7 +459,9 @@ def refine(
                 continue
         elif n_ring < n_cavity:
             return FAILED
-        # Fill. What the ring's edges carry is saved before slots are written over: twin, flags, piece, face.
+        face_before = face[U(start >> 2)]
+        face_behind = face[U(behind >> 2)] if splitting and behind >= 0 else face_before
+        # Fill. What the ring's edges carry is saved before slots are written over: twin, flags, piece.
         end = int(origin[U(own)]) if splitting else -1
         new = int(state[VERTICES])
         state[VERTICES] = new + 1
@@ -464,10 +471,11 @@ def refine(
         for k in range(n_ring):
             e = int(ring[U(k)])
             flags = int(origin[U(e | 3)])
+            bits = ((flags >> (e & 3)) & 1) | (((flags >> (4 + (e & 3))) & 1) << 4)
             stack[U(4 * k)] = twin[U(e)]
-            stack[U(4 * k + 1)] = ((flags >> (e & 3)) & 1) | (((flags >> (4 + (e & 3))) & 1) << 4)
-            stack[U(4 * k + 2)] = piece_of[U(e)]
-            stack[U(4 * k + 3)] = face[U(e >> 2)]
+            stack[U(4 * k + 1)] = bits
+            if bits:
+                stack[U(4 * k + 2)] = piece_of[U(e)]
         for k in range(n_cavity, n_ring):
             if state[FREE] > 0:
                 state[FREE] -= 1
@@ -489,7 +497,8 @@ def refine(
             twin[U(slot)] = f
             if f >= 0:
                 twin[U(f)] = slot
-            piece_of[U(slot)] = stack[U(4 * k + 2)]
+            if flags:
+                piece_of[U(slot)] = stack[U(4 * k + 2)]
             twin[U(slot + 1)] = after + 2
             twin[U(slot + 2)] = before + 1
             if splitting:
@@ -506,8 +515,10 @@ def refine(
                         twin[U(slot + 1)] = -1
             origin[U(slot + 3)] = flags
             twin[U(slot + 3)] += 1
-            face[U(slot >> 2)] = stack[U(4 * k + 3)]
-            edge_limit[U(slot >> 2)] = unjudged
+            if splitting or k >= n_cavity:
+                face[U(slot >> 2)] = face_before if second_half < 0 or k < second_half else face_behind
+            if not uniform:
+                edge_limit[U(slot >> 2)] = unjudged
             before = slot
         pending = n_ring
         if splitting:

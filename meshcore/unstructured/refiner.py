@@ -22,6 +22,9 @@ SPARE_POINTS = 500_000
 # Mean area of the triangles that refinement makes: of size^2, and of the largest area allowed.
 _AREA_BY_SIZE = 0.2
 _AREA_BY_MAX_AREA = 0.6
+# Room reserved per triangle expected, and for how many at most; more is found when it is needed.
+_RESERVE = 1.15
+_MOST_RESERVED = 5_000_000
 # Longer than any scaled edge; its square does not overflow.
 _LONGEST = 1e150
 
@@ -32,7 +35,7 @@ class Refinement:
 
     Attributes
     ----------
-    corners : (m, 3) int
+    corners : (m, 3) int32
         Corners of the triangles, by vertex.
     tags : (m,) int
         Region of each triangle.
@@ -95,13 +98,15 @@ class Refiner:
         self.has_angle = min_angle > 0
         unjudged = (size * self.scale) ** 2 if size * self.scale < _LONGEST else np.inf
         height = 0.0 if placement == "circumcentre" else _off_centre(min_angle)
-        self.limits = np.array([self.cosine2, _lens(min_angle), height, unjudged])
+        self.limits = np.array([self.cosine2, _lens(min_angle), height, unjudged, float(size_field is None), -1.0])
         self._carve()
         self._allocate()
         if not split_boundary:
             flags = self.origin[3::4]
             flags |= (flags & half_edges.CONSTRAINED) << 4
         self.estimate = self._estimated()
+        expected = int(_RESERVE * min(self.estimate, _MOST_RESERVED))
+        self.reserve(len(mesh.triangulation.order) + expected // 2, len(self.face) + expected)
 
     # ---- setting up
 
@@ -120,14 +125,16 @@ class Refiner:
         capacity = len(self.origin) // 4
         self.stands_on = np.full(n, kernels.FREE_VERTEX, np.int32)
         self.stands_on[np.unique(self.pieces[:, :2])] = kernels.INPUT_VERTEX
-        self.acute = _acute(self.xy.reshape(-1, 2), self.pieces)
+        self.acute = acute_vertices(self.xy.reshape(-1, 2), self.pieces)
         self.edge_limit = np.full(capacity, self.limits[3])
         # Twice the area, as the kernel computes it.
         self.area_limit = 2 * self.domain.max_area * self.scale**2
-        self.queue = np.empty(4 * (capacity + 64), np.int32)
+        of_all = np.unique(self.area_limit[self.domain.keep])
+        self.limits[5] = of_all[0] if len(of_all) == 1 else -1.0
         self.head = np.full(kernels.BUCKETS, -1, np.int32)
         self.tail = np.full(kernels.BUCKETS, -1, np.int32)
-        self.encroached = np.empty(2 * (3 * capacity + 8 * mesh.scratch.size), np.int32)
+        self.queue = np.empty(0, np.int32)
+        self.encroached = np.empty(0, np.int32)
         self.state = np.zeros(kernels.STATE_SIZE, np.int64)
         self.state[kernels.TRIANGLES] = mesh.n_triangles
         self.state[kernels.VERTICES] = n
@@ -135,22 +142,17 @@ class Refiner:
 
     def _estimated(self) -> float:
         """Triangles that the limits, without the angle, will make; raises if that is absurd."""
-        corners, slots = self._live()
-        area = self._areas(corners)
-        limit = self.area_limit[self.face[slots]] / 2
-        by_area = float((area / (_AREA_BY_MAX_AREA * limit)).sum())
-        by_size = float(area.sum() / (_AREA_BY_SIZE * self.limits[3]))
-        estimate = max(by_area, by_size)
-        if estimate > MAX_TRIANGLES:
-            raise too_many(estimate, "size" if by_size >= by_area else "max_area")
-        return max(estimate, float(len(corners)))
+        corners, slots = self.live()
+        return expected_triangles(self.areas(corners), self.area_limit[self.face[slots]] / 2, self.limits[3])
 
-    def _live(self) -> tuple[np.ndarray, np.ndarray]:
+    def live(self) -> tuple[np.ndarray, np.ndarray]:
+        """(m, 3) int32 corners and (m,) int32 slots of the triangles."""
         triangulation = self.mesh.triangulation
         triangulation.origin, triangulation.n_triangles = self.origin, int(self.state[kernels.TRIANGLES])
         return triangulation.live()
 
-    def _areas(self, corners: np.ndarray) -> np.ndarray:
+    def areas(self, corners: np.ndarray) -> np.ndarray:
+        """(m,) float: scaled areas of triangles."""
         a, b, c = self.xy.reshape(-1, 2)[corners.T]
         return 0.5 * ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
 
@@ -166,16 +168,20 @@ class Refiner:
             exhausted = self._refine()
         if not exhausted and self.size_field is not None:
             exhausted = self._size_rounds(with_angle=True)
-        self._queue_all(with_angle=True)
-        corners, slots = self._live()
+        # Whatever was not given up is as asked: each triangle was judged when it was made.
+        poor = 0
+        if exhausted or self.state[kernels.GIVEN_UP] or self.state[kernels.UNSPLIT]:
+            self._queue_all(with_angle=True)
+            poor = int(self.state[kernels.QUEUED])
+        corners, slots = self.live()
         xy = self.xy.reshape(-1, 2)[: self.state[kernels.VERTICES]]
         return Refinement(
-            corners.astype(np.int64),
+            corners,
             self.domain.tag[self.face[slots]],
-            np.ldexp(xy, -self.mesh.exponent),
+            np.ldexp(xy, -self.mesh.exponent) if self.mesh.exponent else xy,
             int(self.state[kernels.SPLITS]),
             int(self.state[kernels.INSERTIONS]),
-            int(self.state[kernels.QUEUED]),
+            poor,
             exhausted,
         )
 
@@ -189,7 +195,7 @@ class Refiner:
 
     def _judge(self) -> bool:
         """Set the limits of triangles that have none yet; whether one is beyond its own."""
-        corners, slots = self._live()
+        corners, slots = self.live()
         unjudged = self.limits[3]
         new = np.flatnonzero(self.edge_limit[slots] == unjudged)
         if not len(new):
@@ -199,7 +205,7 @@ class Refiner:
         # One step below the value that means unjudged, so that no triangle is judged twice.
         limit = np.minimum(np.minimum(sizes, _LONGEST) ** 2, np.nextafter(unjudged, 0))
         self.edge_limit[slots[new]] = limit
-        needed = float((self._areas(corners) / (_AREA_BY_SIZE * self.edge_limit[slots])).sum())
+        needed = float((self.areas(corners) / (_AREA_BY_SIZE * self.edge_limit[slots])).sum())
         if needed > MAX_TRIANGLES:
             raise too_many(needed, "size_field")
         self.estimate = max(self.estimate, needed)
@@ -209,8 +215,11 @@ class Refiner:
     def _queue_all(self, *, with_angle: bool) -> None:
         self.limits[0] = self.cosine2 if with_angle else np.inf
         capacity = len(self.origin) // 4
-        self.queue = grown(self.queue, max(len(self.queue), 4 * (capacity + 64)))
-        self.encroached = grown(self.encroached, max(len(self.encroached), 2 * (3 * capacity + 4096)))
+        scratch = self.mesh.triangulation.scratch.size
+        if len(self.queue) < 4 * (capacity + scratch):
+            self.queue = np.empty(4 * (capacity + scratch), np.int32)
+        if len(self.encroached) < 2 * (3 * capacity + 8 * scratch):
+            self.encroached = np.empty(2 * (3 * capacity + 8 * scratch), np.int32)
         kernels.queue_all(
             self.xy, self.origin, self.twin, self.stands_on, self.pieces, self.face, self.edge_limit, self.area_limit,
             self.limits, self.queue, self.head, self.tail, self.encroached, self.state,
@@ -238,27 +247,54 @@ class Refiner:
             if status == half_edges.FULL:
                 self._grow()
 
-    def _grow(self) -> None:
-        """Make room in whatever buffer is nearly full."""
-        state, scratch = self.state, self.mesh.triangulation.scratch
-        vertices = len(self.stands_on)
-        if state[kernels.VERTICES] + 64 >= vertices:
-            vertices = 2 * vertices + 1024
+    def reserve(self, vertices: int, slots: int) -> None:
+        """Make room for so many vertices, and triangles' slots; never less than there is."""
+        if vertices > len(self.stands_on):
             self.xy = grown(self.xy, 2 * vertices)
-            self.stands_on = grown(self.stands_on, vertices)
-        elif 4 * state[kernels.TRIANGLES] + 1024 >= len(self.origin):
-            slots = 2 * (len(self.origin) // 4) + 1024
+            self.stands_on = grown(self.stands_on, vertices, kernels.FREE_VERTEX)
+        if slots > len(self.face):
             self.origin, self.twin, self.piece_of = (
                 grown(array, 4 * slots) for array in (self.origin, self.twin, self.piece_of)
             )
             self.face, self.free = grown(self.face, slots), grown(self.free, slots)
-            self.edge_limit = grown(self.edge_limit, slots)
+            self.edge_limit = grown(self.edge_limit, slots, self.limits[3])
+
+    def _grow(self) -> None:
+        """Make room in whatever buffer is nearly full."""
+        state, scratch = self.state, self.mesh.triangulation.scratch
+        if state[kernels.VERTICES] + 64 >= len(self.stands_on):
+            self.reserve(2 * len(self.stands_on) + 1024, 0)
+        elif 4 * state[kernels.TRIANGLES] + 1024 >= len(self.origin):
+            self.reserve(0, 2 * (len(self.origin) // 4) + 1024)
         elif 4 * (state[kernels.QUEUED] + scratch.size) >= len(self.queue):
             self.queue = grown(self.queue, 2 * len(self.queue) + 8 * scratch.size)
         elif 2 * (state[kernels.ENCROACHED] + 4 * scratch.size) >= len(self.encroached):
             self.encroached = grown(self.encroached, 2 * len(self.encroached) + 16 * scratch.size)
         else:
             scratch.grow()
+
+
+def expected_triangles(areas: np.ndarray, largest: np.ndarray, longest2: float) -> float:
+    """Triangles that limits will make of triangles of (m,) areas; at least m.
+
+    Parameters
+    ----------
+    areas, largest : (m,) float
+        Area of each triangle, and the largest allowed there.
+    longest2 : float
+        Square of the longest edge allowed.
+
+    Raises
+    ------
+    InvalidInput
+        If that is more than `MAX_TRIANGLES`.
+    """
+    by_area = float((areas / (_AREA_BY_MAX_AREA * largest)).sum())
+    by_size = float(areas.sum() / (_AREA_BY_SIZE * longest2))
+    estimate = max(by_area, by_size)
+    if estimate > MAX_TRIANGLES:
+        raise too_many(estimate, "size" if by_size >= by_area else "max_area")
+    return max(estimate, float(len(areas)))
 
 
 def too_many(estimate: float, parameter: str) -> InvalidInput:
@@ -283,7 +319,7 @@ def _off_centre(min_angle: float) -> float:
     return float(0.475 * np.sqrt((1 + cosine) / (1 - cosine))) if min_angle > 0 else 0.0
 
 
-def _acute(xy: np.ndarray, pieces: np.ndarray) -> np.ndarray:
+def acute_vertices(xy: np.ndarray, pieces: np.ndarray) -> np.ndarray:
     """(n,) uint8: 1 for vertices where two pieces meet at less than 60 degrees."""
     acute = np.zeros(len(xy), np.uint8)
     ends = np.concatenate([pieces[:, :2], pieces[:, 1::-1]])

@@ -20,8 +20,10 @@ _FIRST_TWIN = [4, 8, 12, 0, 0, 14, 9, 0, 1, 6, 13, 0, 2, 10, 5, 0]
 
 def grown(array: np.ndarray, size: int, fill: float = 0) -> np.ndarray:
     """A longer copy of an array along its first axis."""
-    longer = np.full((size, *array.shape[1:]), fill, array.dtype)
+    longer = np.zeros((size, *array.shape[1:]), array.dtype)  # no memory is touched before it is used
     longer[: len(array)] = array
+    if fill:
+        longer[len(array) :] = fill
     return longer
 
 

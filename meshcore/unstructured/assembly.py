@@ -1,0 +1,112 @@
+"""The mesh and the report of a refinement: used points numbered, the input's first, and everything checked."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .. import quality
+from ..errors import GenerationFailed
+from ..geometry.plane import Plane
+from ..mesh import Mesh
+from ..report import Report, Result
+from . import _assembly_kernels as kernels
+from .constrained import ConstrainedTriangulation
+from .domain import Domain
+from .refiner import Refinement
+
+
+def assembled(
+    boundary: Mesh,
+    plane: Plane,
+    triangulation: ConstrainedTriangulation,
+    parts: Domain,
+    refinement: Refinement,
+    min_angle: float,
+    split_boundary: bool,
+) -> Result:
+    """The mesh, checked, and its report.
+
+    Parameters
+    ----------
+    boundary : Mesh
+        The input, whose own points are handed out again bit by bit.
+    plane : Plane
+        Where it lies.
+    triangulation : ConstrainedTriangulation
+        What was refined.
+    parts : Domain
+        What of it is meshed.
+    refinement : Refinement
+        How that went.
+    min_angle, split_boundary
+        What was asked for.
+    """
+    number, kept, added = _numbered(triangulation, refinement)
+    points = np.concatenate([boundary.points[kept], plane.to_space(added)])
+    triangles = np.empty(refinement.corners.shape, np.int64)
+    kernels.renumber(refinement.corners, number, triangles)
+    mesh = Mesh(points, {"triangle": triangles}, cell_data={"region": refinement.tags})
+    left, right = triangulation.faces_beside
+    pieces = triangulation.pieces[parts.keep[left] | parts.keep[right], :2]
+    try:
+        quality.validate(mesh, Mesh(points, {"line": number[pieces]}))
+    except GenerationFailed as error:
+        if not refinement.exhausted:
+            raise
+        raise GenerationFailed(
+            f"{_stopped(refinement, min_angle)} ({error})", cells=error.cells, partial=mesh
+        ) from error
+    report = Report(
+        counts={
+            "points": mesh.n_points,
+            "triangles": mesh.n_cells,
+            "points added on lines": refinement.splits,
+            "points added inside": refinement.insertions,
+        },
+        quality=quality.summary(mesh),
+        converged=not (refinement.exhausted or refinement.poor),
+        warnings=[*triangulation.graph.warnings, *parts.warnings],
+    )
+    _warn(report, mesh, refinement, min_angle, split_boundary)
+    return Result(mesh, report)
+
+
+def _numbered(triangulation: ConstrainedTriangulation, refinement: Refinement):
+    """Number in the mesh of each vertex; the input points that are used, in order; (k, 2) places of those added."""
+    n = len(refinement.xy)
+    number = np.full(n, kernels.UNUSED, np.int32)
+    order = triangulation.triangulation.order
+    source = triangulation.graph.source[order]
+    used = kernels.mark_corners(refinement.corners, number)
+    old = np.flatnonzero((number[: len(order)] == kernels.USED) & (source >= 0))
+    old = old[np.argsort(source[old])]
+    number[old] = np.arange(len(old))
+    added = np.empty((used - len(old), 2))
+    kernels.number_rest(np.ascontiguousarray(refinement.xy), len(old), number, added)
+    return number, source[old], added
+
+
+def _stopped(refinement: Refinement, min_angle: float) -> str:
+    """What to say of a refinement that spent its budget of points."""
+    return (
+        f"refinement was stopped after {refinement.splits + refinement.insertions:,} points, since it may never "
+        f"end; ask for less than min_angle = {min_angle:g}"
+    )
+
+
+def _warn(report: Report, mesh: Mesh, refinement: Refinement, min_angle: float, split_boundary: bool) -> None:
+    """Say in the report what the user should know."""
+    if refinement.exhausted:
+        report.warnings.append(_stopped(refinement, min_angle))
+    if refinement.poor:
+        why = ", where coordinates cannot resolve smaller ones"
+        if not split_boundary:
+            why = " at lines that may not be split; give these more points, or allow split_boundary"
+        report.warnings.append(
+            f"{refinement.poor:,} triangles are not as asked" + ("" if refinement.exhausted else why)
+        )
+    if report.quality["smallest angle (degree)"] >= min_angle - 1e-6:
+        return
+    thin = int((quality.measure(mesh, "min_angle") < min_angle - 1e-6).sum()) - refinement.poor
+    if thin > 0:
+        report.warnings.append(f"{thin:,} triangles at small angles of the input stay below min_angle")

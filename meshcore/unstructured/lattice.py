@@ -1,0 +1,184 @@
+"""Lattice fill: where limits alone drive the size, points of a triangular lattice inside, lines divided evenly."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ..progress import Progress
+from . import _lattice_kernels as kernels
+from .constrained import ConstrainedTriangulation, constrained
+from .domain import Domain
+from .planar_graph import PlanarGraph
+from .refiner import acute_vertices, expected_triangles
+
+STEEPEST = 31.0
+"""Smallest angle, in degrees, up to which refinement comes to an end beside a lattice; from 32 on it may flood it."""
+
+# Area of the lattice's triangles per largest area, its edges per largest edge: what is left for shaken triangles.
+_SHARE_OF_AREA = 0.97
+_SHARE_OF_SIZE = 0.97
+# Sites nearer to a line than this, per spacing, are left out. A line's points are a spacing apart, so a site that is
+# 0.62 from them stays outside the lens of 30 degrees over each part, 0.29 high.
+_CLEARANCE = 0.62
+_SHAKE = 1e-5
+# More sites in the bounding box than this, for each triangle expected, means that the domain fills little of it.
+_SITES_A_TRIANGLE = 20
+_FEW_SITES = 1_000_000
+
+
+class Filled(NamedTuple):
+    """A domain with a lattice in it.
+
+    Attributes
+    ----------
+    mesh : ConstrainedTriangulation
+        Of divided lines and the sites.
+    parts : Domain
+        The same faces, as the new triangulation numbers them.
+    on_lines, inside : int
+        Points added.
+    """
+
+    mesh: ConstrainedTriangulation
+    parts: Domain
+    on_lines: int
+    inside: int
+
+
+def filled(
+    mesh: ConstrainedTriangulation, parts: Domain, size: float, progress: Progress, *, worthwhile: bool = False
+) -> Filled | None:
+    """Divide the lines and fill the faces that have a limit with a lattice, in one triangulation.
+
+    Lines that end in an acute corner are left to refinement, which knows where such are split.
+
+    Parameters
+    ----------
+    mesh : ConstrainedTriangulation
+        Stays as it is.
+    parts : Domain
+        What is meshed, and its limits.
+    size : float
+        Largest edge length, possibly infinite.
+    progress : Progress
+        Called with fraction and message.
+    worthwhile : bool
+        Whether to answer None where a lattice is of little use: with fewer sites than points on lines.
+
+    Returns
+    -------
+    Filled or None
+        None if no site fits in.
+
+    Raises
+    ------
+    InvalidInput
+        If the limits would make too many triangles.
+    """
+    spacing = np.where(parts.keep, _spacing(parts.max_area, size), np.inf)
+    if not np.isfinite(spacing).any():
+        return None
+    _refuse_too_many(mesh, parts, size)
+    left, right = mesh.faces_beside
+    wanted = np.minimum(spacing[left], spacing[right])
+    ends = mesh.triangulation.order[mesh.pieces[:, :2]]
+    points = mesh.graph.points
+    length = np.hypot(*(points[ends[:, 1]] - points[ends[:, 0]]).T)
+    count = np.maximum(np.ceil(length / wanted - 1e-9), 1).astype(np.int64)
+    owner, places = _division(points, ends, count)
+    sites = []
+    for h in np.unique(spacing[np.isfinite(spacing)]):
+        inside = spacing == h
+        beside = inside[left] | inside[right]
+        border = inside[left] != inside[right]
+        near = np.concatenate([places[beside[owner]], points[ends[beside].ravel()]])
+        outward = np.where(inside[left[border]], 1.0, -1.0)
+        found = _sites(points[ends[border]], outward, near, float(h))
+        if found is None:
+            return None
+        sites.append(found)
+    sites = np.concatenate(sites)
+    acute = acute_vertices(mesh.triangulation.xy.reshape(-1, 2), mesh.pieces).astype(bool)
+    whole = acute[mesh.pieces[:, 0]] | acute[mesh.pieces[:, 1]]
+    if not len(sites) or (worthwhile and len(sites) < len(places) + len(points)):
+        return None
+    on_lines = places[~whole[owner]]
+    graph, parent = _divided_graph(mesh, ends, np.where(whole, 1, count), on_lines, sites)
+    fine = constrained(graph, split_crossings=False, parameter="boundary", progress=progress)
+    return Filled(fine, _same_faces(fine, parts, left[parent], right[parent]), len(on_lines), len(sites))
+
+
+def _refuse_too_many(mesh: ConstrainedTriangulation, parts: Domain, size: float) -> None:
+    corners, slots = mesh.triangulation.live()
+    kept = parts.keep[mesh.face[slots]]
+    a, b, c = mesh.graph.points[mesh.triangulation.order[corners[kept].T]]
+    areas = 0.5 * ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
+    expected_triangles(areas, parts.max_area[mesh.face[slots[kept]]], size**2 if size < 1e150 else np.inf)
+
+
+def _spacing(max_area: np.ndarray, size: float) -> np.ndarray:
+    """Spacing of a lattice that keeps within the limits."""
+    return np.minimum(np.sqrt(_SHARE_OF_AREA * max_area * 4 / np.sqrt(3)), _SHARE_OF_SIZE * size)
+
+
+def _division(points: np.ndarray, ends: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Places that divide each piece into ``count`` equal parts, in order, and the piece of each."""
+    owner = np.repeat(np.arange(len(count)), count - 1)
+    step = np.arange(len(owner)) - np.repeat(np.cumsum(count - 1) - (count - 1), count - 1) + 1
+    a, b = points[ends[owner, 0]], points[ends[owner, 1]]
+    return owner, a + (step / count[owner])[:, None] * (b - a)
+
+
+def _sites(ends: np.ndarray, outward: np.ndarray, near: np.ndarray, h: float) -> np.ndarray | None:
+    """(k, 2) float: lattice sites within closed lines, clear of the places ``near``; None if there are far too many.
+
+    ``outward`` is 1 for lines with the inside on their left, -1 for others.
+    """
+    (ax, ay), (bx, by) = ends[:, 0].T, ends[:, 1].T
+    low, high = ends.min(axis=(0, 1)), ends.max(axis=(0, 1))
+    dy = h * np.sqrt(0.75)
+    # Off the corners, so that no row runs along a line by chance.
+    x0, y0 = low + (0.25 * h, 0.4 * dy)
+    columns, rows = np.ceil((high - low) / (h, dy)) + 1
+    expected = float((outward * (ax * by - bx * ay)).sum()) / (h * dy)
+    if columns * rows > _SITES_A_TRIANGLE * expected + _FEW_SITES:
+        return None
+    columns, rows = int(columns), int(rows)
+    blocked = np.zeros(rows * columns, np.uint8)
+    kernels.block_sites(near, _CLEARANCE * h, x0, y0, h, dy, columns, blocked)
+    start = np.zeros(rows + 1, np.int64)
+    flat = np.ascontiguousarray(ends.reshape(-1, 4))
+    kernels.count_crossings(flat, y0, dy, start)
+    np.cumsum(start, out=start)
+    x = np.empty(start[-1])
+    kernels.fill_crossings(flat, y0, dy, start[:-1].copy(), x)
+    sites = np.empty((int((blocked == 0).sum()), 2))
+    count = kernels.take_sites(start, x, x0, y0, h, dy, columns, blocked, _SHAKE * h, sites)
+    return sites[:count]
+
+
+def _divided_graph(
+    mesh: ConstrainedTriangulation, ends: np.ndarray, count: np.ndarray, on_lines: np.ndarray, sites: np.ndarray
+) -> tuple[PlanarGraph, np.ndarray]:
+    """The graph with ``count`` segments a piece, through the places on it, and the sites; the piece of each segment."""
+    graph = mesh.graph
+    parent = np.repeat(np.arange(len(count)), count)
+    step = np.arange(len(parent)) - np.repeat(np.cumsum(count) - count, count)
+    place = len(graph.points) + np.cumsum(count - 1)[parent] - (count - 1)[parent] + step
+    segments = np.column_stack(
+        [np.where(step == 0, ends[parent, 0], place - 1), np.where(step == count[parent] - 1, ends[parent, 1], place)]
+    )
+    points = np.concatenate([graph.points, on_lines, sites])
+    source = np.concatenate([graph.source, np.full(len(points) - len(graph.points), -1)])
+    return replace(graph, points=points, source=source, segments=segments, line=mesh.line[parent]), parent
+
+
+def _same_faces(fine: ConstrainedTriangulation, parts: Domain, left: np.ndarray, right: np.ndarray) -> Domain:
+    """The domain with its faces as the new triangulation numbers them, known by the faces beside each segment."""
+    old = np.zeros(fine.n_faces, np.int64)
+    for new_side, side in zip(fine.faces_beside, (left, right), strict=True):
+        old[new_side] = side[fine.pieces[:, 2]]
+    return replace(parts, keep=parts.keep[old], tag=parts.tag[old], max_area=parts.max_area[old])
