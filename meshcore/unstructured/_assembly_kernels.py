@@ -1,9 +1,28 @@
-"""Kernels that hand a triangulation out: which vertices are used, their numbers in the mesh, the cells by these."""
+"""Kernels over whole triangulations: how many triangles limits will make; used vertices numbered, cells by these."""
 
 from .._numba import kernel
 from ._half_edge_kernels import U
 
 UNUSED, USED = -1, -2
+
+
+@kernel
+def areas_kept(xy, origin, n_triangles, face, keep, area_limit):
+    """The area of the faces that are kept, and the sum of the shares of the limits, both of them twice the area."""
+    total = 0.0
+    shares = 0.0
+    for t in range(n_triangles):
+        a = origin[U(4 * t)]
+        b = origin[U(4 * t + 1)]
+        c = origin[U(4 * t + 2)]
+        f = face[U(t)]
+        if (a | b | c) >= 0 and keep[U(f)]:
+            ax = xy[U(2 * a)]
+            ay = xy[U(2 * a + 1)]
+            area = (xy[U(2 * b)] - ax) * (xy[U(2 * c + 1)] - ay) - (xy[U(2 * b + 1)] - ay) * (xy[U(2 * c)] - ax)
+            total += area
+            shares += area / area_limit[U(f)]
+    return total, shares
 
 
 @kernel

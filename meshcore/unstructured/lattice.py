@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..errors import InvalidInput
 from ..progress import Progress
 from . import _lattice_kernels as kernels
 from .constrained import ConstrainedTriangulation, constrained
@@ -76,12 +77,15 @@ def filled(
     Raises
     ------
     InvalidInput
-        If the limits would make too many triangles.
+        If there are no limits, or they would make too many triangles.
     """
     spacing = np.where(parts.keep, _spacing(parts.max_area, size), np.inf)
     if not np.isfinite(spacing).any():
-        return None
-    _refuse_too_many(mesh, parts, size)
+        if worthwhile:
+            return None
+        raise InvalidInput("a lattice needs size, max_area or an area in regions", parameter="placement")
+    expected_triangles(mesh, parts, size)  # refuses too many
+    spacing[spacing > np.ptp(mesh.graph.points, axis=0).max()] = np.inf  # then no site fits in
     left, right = mesh.faces_beside
     wanted = np.minimum(spacing[left], spacing[right])
     ends = mesh.triangulation.order[mesh.pieces[:, :2]]
@@ -100,6 +104,8 @@ def filled(
         if found is None:
             return None
         sites.append(found)
+    if not sites:
+        return None
     sites = np.concatenate(sites)
     acute = acute_vertices(mesh.triangulation.xy.reshape(-1, 2), mesh.pieces).astype(bool)
     whole = acute[mesh.pieces[:, 0]] | acute[mesh.pieces[:, 1]]
@@ -109,14 +115,6 @@ def filled(
     graph, parent = _divided_graph(mesh, ends, np.where(whole, 1, count), on_lines, sites)
     fine = constrained(graph, split_crossings=False, parameter="boundary", progress=progress)
     return Filled(fine, _same_faces(fine, parts, left[parent], right[parent]), len(on_lines), len(sites))
-
-
-def _refuse_too_many(mesh: ConstrainedTriangulation, parts: Domain, size: float) -> None:
-    corners, slots = mesh.triangulation.live()
-    kept = parts.keep[mesh.face[slots]]
-    a, b, c = mesh.graph.points[mesh.triangulation.order[corners[kept].T]]
-    areas = 0.5 * ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
-    expected_triangles(areas, parts.max_area[mesh.face[slots[kept]]], size**2 if size < 1e150 else np.inf)
 
 
 def _spacing(max_area: np.ndarray, size: float) -> np.ndarray:

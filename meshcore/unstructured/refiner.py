@@ -9,6 +9,7 @@ import numpy as np
 
 from ..errors import GenerationFailed, InvalidInput
 from ..progress import Progress, advance
+from . import _assembly_kernels as assembly_kernels
 from . import _half_edge_kernels as half_edges
 from . import _refinement_kernels as kernels
 from .constrained import ConstrainedTriangulation
@@ -99,14 +100,14 @@ class Refiner:
         unjudged = (size * self.scale) ** 2 if size * self.scale < _LONGEST else np.inf
         height = 0.0 if placement == "circumcentre" else _off_centre(min_angle)
         self.limits = np.array([self.cosine2, _lens(min_angle), height, unjudged, float(size_field is None), -1.0])
+        self.estimate = max(expected_triangles(mesh, domain, size), float(mesh.triangulation.n_triangles))
         self._carve()
         self._allocate()
         if not split_boundary:
             flags = self.origin[3::4]
             flags |= (flags & half_edges.CONSTRAINED) << 4
-        self.estimate = self._estimated()
         expected = int(_RESERVE * min(self.estimate, _MOST_RESERVED))
-        self.reserve(len(mesh.triangulation.order) + expected // 2, len(self.face) + expected)
+        self.reserve(max(len(mesh.triangulation.order), expected // 2) + 1024, max(len(self.face), expected) + 1024)
 
     # ---- setting up
 
@@ -139,11 +140,6 @@ class Refiner:
         self.state[kernels.TRIANGLES] = mesh.n_triangles
         self.state[kernels.VERTICES] = n
         self.state[kernels.FREE] = self.n_free
-
-    def _estimated(self) -> float:
-        """Triangles that the limits, without the angle, will make; raises if that is absurd."""
-        corners, slots = self.live()
-        return expected_triangles(self.areas(corners), self.area_limit[self.face[slots]] / 2, self.limits[3])
 
     def live(self) -> tuple[np.ndarray, np.ndarray]:
         """(m, 3) int32 corners and (m,) int32 slots of the triangles."""
@@ -274,27 +270,34 @@ class Refiner:
             scratch.grow()
 
 
-def expected_triangles(areas: np.ndarray, largest: np.ndarray, longest2: float) -> float:
-    """Triangles that limits will make of triangles of (m,) areas; at least m.
+def expected_triangles(mesh: ConstrainedTriangulation, domain: Domain, size: float) -> float:
+    """Triangles that limits, without the angle, will make of a domain.
 
     Parameters
     ----------
-    areas, largest : (m,) float
-        Area of each triangle, and the largest allowed there.
-    longest2 : float
-        Square of the longest edge allowed.
+    mesh : ConstrainedTriangulation
+        Not refined yet.
+    domain : Domain
+        What of it is meshed, and the largest areas.
+    size : float
+        Largest edge length.
 
     Raises
     ------
     InvalidInput
         If that is more than `MAX_TRIANGLES`.
     """
-    by_area = float((areas / (_AREA_BY_MAX_AREA * largest)).sum())
-    by_size = float(areas.sum() / (_AREA_BY_SIZE * longest2))
+    scale = 2.0**mesh.exponent
+    whole = mesh.triangulation
+    area, shares = assembly_kernels.areas_kept(
+        whole.xy, whole.origin, whole.n_triangles, mesh.face, domain.keep, 2 * domain.max_area * scale**2
+    )
+    by_area = shares / _AREA_BY_MAX_AREA
+    by_size = 0.5 * area / (_AREA_BY_SIZE * (size * scale) ** 2) if size * scale < _LONGEST else 0.0
     estimate = max(by_area, by_size)
     if estimate > MAX_TRIANGLES:
         raise too_many(estimate, "size" if by_size >= by_area else "max_area")
-    return max(estimate, float(len(areas)))
+    return estimate
 
 
 def too_many(estimate: float, parameter: str) -> InvalidInput:
