@@ -163,7 +163,7 @@ def test_lines_on_the_lattice_itself():
     "keywords, message",
     [
         ({"min_angle": 32}, "angles up to 31 degrees, got min_angle = 32"),
-        ({"size": 0.1, "size_field": lambda p: p[:, 0] + 1}, "a size field is given"),
+        ({"size": 0.1, "size_field": lambda p: p[:, 0] + 1}, "but sizes vary"),
         ({"size": 0.1, "split_boundary": False}, "split_boundary is off"),
         ({}, "needs size, max_area or an area in regions"),
         ({"size": 1e-9}, "would make about"),
