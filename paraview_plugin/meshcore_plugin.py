@@ -1115,7 +1115,7 @@ class meshcoreDelaunay3D(Operation):
       out.</Documentation>
     </DoubleVectorProperty>
     <IntVectorProperty name="Placement" label="Placement" command="SetPlacement" number_of_elements="1" default_values="0" panel_visibility="advanced">
-      <EnumerationDomain name="enum"><Entry value="0" text="automatic"/><Entry value="1" text="off-centre"/><Entry value="2" text="circumcentre"/></EnumerationDomain>
+      <EnumerationDomain name="enum"><Entry value="0" text="automatic"/><Entry value="1" text="off-centre"/><Entry value="2" text="circumcentre"/><Entry value="3" text="lattice"/></EnumerationDomain>
       <Documentation>Where new points go inside.</Documentation>
     </IntVectorProperty>
     <IntVectorProperty name="SplitBoundary" label="Split Boundary" command="SetSplitBoundary" number_of_elements="1" default_values="1" panel_visibility="advanced">
@@ -1163,7 +1163,7 @@ class meshcoreDelaunayRefinement(Operation):
         self.set("gradation", value or None)
 
     def SetPlacement(self, value):
-        self.set("placement", ('automatic', 'off-centre', 'circumcentre')[value])
+        self.set("placement", ('automatic', 'off-centre', 'circumcentre', 'lattice')[value])
 
     def SetSplitBoundary(self, value):
         self.set("split_boundary", bool(value))
