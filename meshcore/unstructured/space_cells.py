@@ -7,6 +7,7 @@ import numpy as np
 from ..geometry import predicates
 from . import _delaunay_3d_kernels as kernels
 from . import _tetrahedra_kernels as layout
+from . import _tetrahedra_query_kernels as queries
 
 _CELLS_A_POINT = 7.2  # of uniform points 6.77, and as many are ever in use at once
 _CACHE_LINE = 64
@@ -119,6 +120,13 @@ class SpaceCells:
         state = self.state
         self.lists = Lists(quantum, extent, len(self.lists.cavity))
         self.lists.state[:] = state
+
+    def map_vertices(self) -> np.ndarray:
+        """``cell_of``, made at the first call; insertion keeps it from then on."""
+        if len(self.cell_of) == 0:
+            self.cell_of = np.empty(self.n_vertices, np.int32)
+            queries.map_vertices(self.cells, self.n_cells, self.cell_of)
+        return self.cell_of
 
     def copied(self) -> SpaceCells:
         """A triangulation that can be changed without changing this one."""
