@@ -12,7 +12,14 @@ from .progress import Progress, silent
 from .report import Report, Result
 from .sizing import discretised
 from .structured import o_grid, transfinite
-from .unstructured import Tetrahedralization, constrained_delaunay, delaunay_2d, delaunay_3d, delaunay_refinement
+from .unstructured import (
+    Tetrahedralization,
+    Triangulation,
+    constrained_delaunay,
+    delaunay_2d,
+    delaunay_3d,
+    delaunay_refinement,
+)
 
 __all__ = [
     "Cancelled",
@@ -31,6 +38,7 @@ __all__ = [
     "Result",
     "StructuredGrid",
     "Tetrahedralization",
+    "Triangulation",
     "adapt",
     "constrained_delaunay",
     "delaunay_2d",

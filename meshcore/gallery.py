@@ -222,6 +222,7 @@ def arguments(identifier: str) -> tuple[tuple[Any, ...], dict[str, Any]]:
         "constrained_delaunay": ((square_with_hole(),), {}),
         "delaunay_3d": ((cloud_in_a_ball(),), {}),
         "discretised": ((square_with_hole(),), {"size": 0.08, "gradation": 0.5}),
+        "delaunay_2d": ((square_with_hole(),), {}),
         "delaunay_refinement": ((square_with_hole(),), {"min_angle": 30.0}),
         "refined": ((triangulated_square(),), {"indicator": "front", "levels": 2}),
     }

@@ -1044,6 +1044,31 @@ class meshcoreConstrainedDelaunay(Operation):
 
 
 
+@smproxy.filter(name="meshcoreDelaunay2D", label="meshcore Delaunay 2D", support_reload=False)
+@smhint.xml('<ShowInMenu category="meshcore"/>')
+@smproperty.xml(
+    """
+    <Documentation short_help="Delaunay 2D">Triangulate points in the plane so that no point lies inside the circle
+    of a triangle.</Documentation>
+    <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Points in the plane z = 0.</Documentation>
+    </InputProperty>
+    """
+)
+class meshcoreDelaunay2D(Operation):
+    operation = "delaunay_2d"
+    label = "meshcore Delaunay 2D"
+    ports = (("points", "mesh", False),)
+    output = "vtkUnstructuredGrid"
+
+
+
+
 @smproxy.filter(name="meshcoreDelaunay3D", label="meshcore Delaunay 3D", support_reload=False)
 @smhint.xml('<ShowInMenu category="meshcore"/>')
 @smproperty.xml(

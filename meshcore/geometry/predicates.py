@@ -92,6 +92,19 @@ def quantum_of(points: np.ndarray) -> float:
     return kernels.quantum(numbers, largest, largest * _SMALLEST_QUANTUM)
 
 
+def is_safe(points: np.ndarray) -> bool:
+    """Whether all coordinates are finite and surely within what the predicates can take, without a closer look.
+
+    Examples
+    --------
+    >>> is_safe(np.array([[0.0, 1.0]])), is_safe(np.array([[1e-300, 1.0]]))
+    (True, False)
+    """
+    found = np.zeros(2)
+    finite = kernels.magnitudes(points.reshape(-1), found)
+    return bool(finite and found[0] >= 2.0 ** (LOWEST_BIT + 53) and found[1] < 2.0**HIGHEST_BIT)
+
+
 def rescaled(points: np.ndarray) -> tuple[np.ndarray, int]:
     """Points times a power of two that makes the predicates safe from under- and overflow.
 
@@ -124,9 +137,7 @@ def rescaled(points: np.ndarray) -> tuple[np.ndarray, int]:
     994
     """
     points = np.ascontiguousarray(points, dtype=np.float64)
-    found = np.zeros(2)
-    finite = kernels.magnitudes(points.reshape(-1), found)
-    if finite and found[0] >= 2.0 ** (LOWEST_BIT + 53) and found[1] < 2.0**HIGHEST_BIT:
+    if is_safe(points):
         return points, 0
     bad = np.argwhere(~np.isfinite(points))
     if len(bad):

@@ -1,135 +1,148 @@
-"""Kernels of Delaunay triangulation in the plane: Hilbert order, and insertion point by point with exact predicates.
+"""Kernels of Delaunay triangulation in the plane: insertion with exact predicates, point location, canonical cells.
 
 References
 ----------
 A. Bowyer, "Computing Dirichlet tessellations", and D. F. Watson, "Computing the n-dimensional Delaunay tessellation",
 Computer Journal 24 (1981). J. R. Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric
-predicates", Discrete Comput. Geom. 18 (1997), for the filters. J. Skilling, AIP Conf. Proc. 707 (2004), for the keys.
+predicates", Discrete Comput. Geom. 18 (1997), for the filters. C. Marot, J. Pellerin, J.-F. Remacle, "One machine, one
+minute, three billion tetrahedra", Int. J. Numer. Meth. Engng 117 (2019), for the partition among threads.
 """
 
 from .._numba import kernel
-from ._half_edge_kernels import DONE, FULL, MORE, U, circle_side, next_edge, previous_edge, side_of
+from ..geometry._predicates_kernels import ORIENT2D_BOUND, orient2d_exact
+from ._half_edge_kernels import DEAD, DONE, FULL, MORE, U, circle_side, circle_tie, next_edge, previous_edge, side_of
 
-# Places in the state of `insert_points`.
-POINT, TRIANGLES, START = 0, 1, 2
-
-
-@kernel
-def hilbert_keys(xy, n, bits, keys):
-    """Place of each point along the Hilbert curve on a grid of 2^bits cells a side."""
-    low_x = xy[0]
-    high_x = low_x
-    low_y = xy[1]
-    high_y = low_y
-    for i in range(n):
-        low_x = min(low_x, xy[2 * i])
-        high_x = max(high_x, xy[2 * i])
-        low_y = min(low_y, xy[2 * i + 1])
-        high_y = max(high_y, xy[2 * i + 1])
-    side = max(high_x - low_x, high_y - low_y)
-    top = (1 << bits) - 1
-    scale = top / side if side > 0.0 else 0.0
-    for i in range(n):
-        x = int((xy[2 * i] - low_x) * scale)
-        y = int((xy[2 * i + 1] - low_y) * scale)
-        key = 0
-        bit = 1 << (bits - 1)
-        while bit > 0:
-            right = 1 if x & bit else 0
-            upper = 1 if y & bit else 0
-            key = (key << 2) | ((3 * right) ^ upper)
-            if upper == 0:  # turn the quadrant as the curve is turned in it
-                if right == 1:
-                    x = ~x & top
-                    y = ~y & top
-                x, y = y, x
-            bit >>= 1
-        keys[i] = key
+# Places in the state of `insert_points`: the next entry of the list of points, the next free slot and the end of the
+# free slots, the half-edge where walks start, how many points were put off, and the steps made so far.
+NEXT, TRIANGLES, SLOT_END, START, DEFERRED, STEPS, STATE_SIZE = 0, 1, 2, 3, 4, 5, 6
+# What `insert_points` answers beside `DONE`, `MORE` and `FULL`: all free slots are used.
+NO_SLOTS = 4
 
 
 @kernel
-def insert_points(xy, n, origin, twin, work, stack, ring, ring_from, cavity, duplicate, state, steps):
-    """Insert up to ``steps`` points by Bowyer-Watson; ``state`` tells where to go on.
+def insert_points(
+    xy, order, origin, twin, todo, low, high, work, stack, ring, ring_from, cavity, state, steps
+):  # fmt: skip
+    """Insert the vertices that ``todo`` lists by Bowyer-Watson, until about ``steps`` triangles were looked at.
 
-    Points 0, 1, 2 must not be collinear. A triangle is in conflict if the point is strictly inside its circle, a ghost
-    if the point is strictly beyond its hull edge or on the open edge; with exact signs the cavity is then star-shaped
-    for any input. ``duplicate[p]`` becomes the earlier point at the same place.
+    A triangle is in conflict if the vertex is inside its circle, ties broken by `circle_tie`; a ghost if it is strictly
+    beyond the hull edge or on the open edge. With exact signs the cavity is then star-shaped for any input.
+
+    Only triangles whose corners are all in ``low <= vertex < high`` are touched (the infinite vertex is -1). A vertex
+    that needs others is put off: the front of ``todo`` is overwritten by those. A triangle with corners of two owners
+    is changed by none, and of a record each word is written by one owner, so threads may work on disjoint ranges.
+    A vertex at the place of another, v, is put off, too, and gets the number ~v in ``order``.
+
+    In one piece although long: the coordinates stay in registers, and each part is compiled once.
     """
-    room = len(stack) - 8
-    p = int(state[POINT])
+    room = len(cavity) - 8
+    entry = int(state[NEXT])
     count = int(state[TRIANGLES])
     start = int(state[START])
-    last = min(n, p + steps)
-    status = DONE if last == n else MORE
-    while p < last:
+    deferred = int(state[DEFERRED])
+    spent = 0
+    status = DONE
+    while entry < len(todo):
+        if spent > steps:
+            status = MORE
+            break
+        if count + 2 > state[SLOT_END]:
+            status = NO_SLOTS
+            break
+        p = int(todo[U(entry)])
         qx = xy[U(2 * p)]
         qy = xy[U(2 * p + 1)]
-        # Locate: walk from the triangle made last; points come in Hilbert order, so it is near.
+        # Locate: walk from the triangle made last; points come along a curve, so it is near.
         e = start
         a = int(origin[U(e)])
         b = int(origin[U(next_edge(e))])
-        ax = xy[U(2 * a)]
-        ay = xy[U(2 * a + 1)]
-        bx = xy[U(2 * b)]
-        by = xy[U(2 * b + 1)]
-        if side_of(ax, ay, bx, by, qx, qy, work) < 0.0:
+        adx = xy[U(2 * a)] - qx
+        ady = xy[U(2 * a + 1)] - qy
+        bdx = xy[U(2 * b)] - qx
+        bdy = xy[U(2 * b + 1)] - qy
+        if side_of(xy[U(2 * a)], xy[U(2 * a + 1)], xy[U(2 * b)], xy[U(2 * b + 1)], qx, qy, work) < 0.0:
             e = int(twin[U(e)])
-            ax, bx = bx, ax
-            ay, by = by, ay
+            a, b = b, a
+            adx, bdx = bdx, adx
+            ady, bdy = bdy, ady
+        owned = True
         same = -1
         while True:
-            # The point is left of or on (a, b); look at (b, c), then at (c, a).
+            # The point is left of or on (a, b). Both other edges are looked at without a branch between them, which
+            # could not be predicted.
+            spent += 1
             c = int(origin[U(previous_edge(e))])
+            if c < low or c >= high:
+                owned = False
+                break
             if c < 0:
                 break
-            cx = xy[U(2 * c)]
-            cy = xy[U(2 * c + 1)]
-            if side_of(bx, by, cx, cy, qx, qy, work) < 0.0:
-                e = int(twin[U(next_edge(e))])
-                ax = cx
-                ay = cy
-                continue
-            if side_of(cx, cy, ax, ay, qx, qy, work) < 0.0:
-                e = int(twin[U(previous_edge(e))])
-                bx = cx
-                by = cy
-                continue
-            if ax == qx and ay == qy:
-                same = e
-            elif bx == qx and by == qy:
-                same = next_edge(e)
-            elif cx == qx and cy == qy:
-                same = previous_edge(e)
-            break
-        if same >= 0:
-            duplicate[U(p)] = origin[U(same)]
-            p += 1
+            cdx = xy[U(2 * c)] - qx
+            cdy = xy[U(2 * c + 1)] - qy
+            left = bdx * cdy
+            right = bdy * cdx
+            beyond_bc = left - right
+            if abs(beyond_bc) <= ORIENT2D_BOUND * (abs(left) + abs(right)):
+                beyond_bc = orient2d_exact(
+                    xy[U(2 * b)], xy[U(2 * b + 1)], xy[U(2 * c)], xy[U(2 * c + 1)], qx, qy, work
+                )  # fmt: skip
+            left = cdx * ady
+            right = cdy * adx
+            beyond_ca = left - right
+            if abs(beyond_ca) <= ORIENT2D_BOUND * (abs(left) + abs(right)):
+                beyond_ca = orient2d_exact(
+                    xy[U(2 * c)], xy[U(2 * c + 1)], xy[U(2 * a)], xy[U(2 * a + 1)], qx, qy, work
+                )  # fmt: skip
+            across_bc = int(twin[U(next_edge(e))])
+            across_ca = int(twin[U(previous_edge(e))])
+            if min(beyond_bc, beyond_ca) >= 0.0:
+                if adx == 0.0 and ady == 0.0:
+                    same = a
+                elif bdx == 0.0 and bdy == 0.0:
+                    same = b
+                elif cdx == 0.0 and cdy == 0.0:
+                    same = c
+                break
+            first = beyond_bc < 0.0
+            e = across_bc if first else across_ca
+            a = c if first else a
+            adx = cdx if first else adx
+            ady = cdy if first else ady
+            b = b if first else c
+            bdx = bdx if first else cdx
+            bdy = bdy if first else cdy
+        if same >= 0 or not owned:
+            todo[U(deferred)] = p
+            deferred += 1
+            if same >= 0:
+                order[U(p)] = ~same
+            entry += 1
             continue
         # Dig: depth first, which meets the edges of the cavity in counter-clockwise order.
-        first = e & ~3
-        cavity[0] = first
+        slot = e & ~3
+        cavity[0] = slot
         n_cavity = 1
-        stack[0] = first + 2
-        stack[1] = first + 1
-        stack[2] = first
+        stack[0] = slot + 2
+        stack[1] = slot + 1
+        stack[2] = slot
         depth = 3
         n_ring = 0
-        full = False
         while depth > 0:
             depth -= 1
-            e = int(stack[U(depth)])
-            f = int(twin[U(e)])
+            f = int(twin[U(int(stack[U(depth)]))])
             f1 = next_edge(f)
             f2 = previous_edge(f)
             a = int(origin[U(f)])
             b = int(origin[U(f1)])
             c = int(origin[U(f2)])
             if (a | b | c) >= 0:
-                ax = xy[U(2 * a)]
-                ay = xy[U(2 * a + 1)]
-                bx = xy[U(2 * b)]
-                by = xy[U(2 * b + 1)]
-                conflict = circle_side(ax, ay, bx, by, xy[U(2 * c)], xy[U(2 * c + 1)], qx, qy, work) > 0.0
+                side = circle_side(
+                    xy[U(2 * a)], xy[U(2 * a + 1)], xy[U(2 * b)], xy[U(2 * b + 1)], xy[U(2 * c)], xy[U(2 * c + 1)],
+                    qx, qy, work,
+                )  # fmt: skip
+                if side == 0.0:
+                    side = circle_tie(xy, order, a, b, c, p, work)
+                conflict = side > 0.0
             else:
                 if c < 0:
                     i, j = a, b
@@ -141,14 +154,21 @@ def insert_points(xy, n, origin, twin, work, stack, ring, ring_from, cavity, dup
                 ay = xy[U(2 * i + 1)]
                 bx = xy[U(2 * j)]
                 by = xy[U(2 * j + 1)]
-                det = side_of(ax, ay, bx, by, qx, qy, work)
-                conflict = det > 0.0
-                if det == 0.0:
+                side = side_of(ax, ay, bx, by, qx, qy, work)
+                conflict = side > 0.0
+                if side == 0.0:
                     if ax != bx:
                         conflict = (ax < qx < bx) or (bx < qx < ax)
                     else:
                         conflict = (ay < qy < by) or (by < qy < ay)
             if conflict:
+                # Of the corners only c can belong to another: a and b are corners of a triangle already dug.
+                if c < low or c >= high:
+                    owned = False
+                    break
+                if n_cavity >= room:
+                    status = FULL
+                    break
                 cavity[U(n_cavity)] = f & ~3
                 n_cavity += 1
                 stack[U(depth)] = f2
@@ -156,24 +176,31 @@ def insert_points(xy, n, origin, twin, work, stack, ring, ring_from, cavity, dup
                 depth += 2
             else:
                 ring[U(n_ring)] = f
-                ring_from[U(n_ring)] = origin[U(e)]
+                ring_from[U(n_ring)] = b
                 n_ring += 1
-            if n_ring >= room or depth >= room or n_cavity >= room:
-                full = True
-                break
-        if full:
-            status = FULL
+        if status == FULL:
             break
+        spent += n_ring
+        entry += 1
+        if not owned:
+            todo[U(deferred)] = p
+            deferred += 1
+            continue
         # Fill: one triangle a ring edge; two more than were dug.
-        cavity[U(n_cavity)] = 4 * count
-        cavity[U(n_cavity + 1)] = 4 * count + 4
+        slot = 4 * count
         count += 2
+        cavity[U(n_cavity)] = slot
+        cavity[U(n_cavity + 1)] = slot + 4
+        origin[U(slot + 3)] = 0
+        origin[U(slot + 7)] = 0
+        twin[U(slot + 3)] = 0
+        twin[U(slot + 7)] = 0
         slot = int(cavity[0])
         before = int(cavity[U(n_ring - 1)])
+        a = int(ring_from[0])
         for k in range(n_ring):
             after_k = k + 1 if k + 1 < n_ring else 0
             after = int(cavity[U(after_k)])
-            a = int(ring_from[U(k)])
             b = int(ring_from[U(after_k)])
             f = int(ring[U(k)])
             origin[U(slot)] = a
@@ -183,12 +210,170 @@ def insert_points(xy, n, origin, twin, work, stack, ring, ring_from, cavity, dup
             twin[U(f)] = slot
             twin[U(slot + 1)] = after + 2
             twin[U(slot + 2)] = before + 1
-            if (a | b) >= 0:
-                start = slot
+            start = slot if (a | b) >= 0 else start
             before = slot
             slot = after
-        p += 1
-    state[POINT] = p
+            a = b
+    state[NEXT] = entry
     state[TRIANGLES] = count
     state[START] = start
+    state[DEFERRED] = deferred
+    state[STEPS] += spent
     return status
+
+
+@kernel
+def locate_points(xy, origin, twin, queries, rows, start, cell, found, weights, work):
+    """The cell that holds each query, and its barycentric coordinates there, written at the query's row.
+
+    ``cell`` numbers the slots as `canonical_cells` does; ``found`` is -1 outside, where weights are left alone. Of the
+    cells that a query on an edge or a vertex belongs to it is the lowest, so that the answer does not depend on the
+    walk. ``weights`` refer to the corners of the canonical cell.
+    """
+    for i in range(len(rows)):
+        row = int(rows[U(i)])
+        qx = queries[U(2 * i)]
+        qy = queries[U(2 * i + 1)]
+        e = start
+        a = int(origin[U(e)])
+        b = int(origin[U(next_edge(e))])
+        if side_of(xy[U(2 * a)], xy[U(2 * a + 1)], xy[U(2 * b)], xy[U(2 * b + 1)], qx, qy, work) < 0.0:
+            e = int(twin[U(e)])
+        inside = True
+        while inside:
+            a = int(origin[U(e)])
+            b = int(origin[U(next_edge(e))])
+            c = int(origin[U(previous_edge(e))])
+            if c < 0:
+                inside = False
+            elif side_of(xy[U(2 * b)], xy[U(2 * b + 1)], xy[U(2 * c)], xy[U(2 * c + 1)], qx, qy, work) < 0.0:
+                e = int(twin[U(next_edge(e))])
+            elif side_of(xy[U(2 * c)], xy[U(2 * c + 1)], xy[U(2 * a)], xy[U(2 * a + 1)], qx, qy, work) < 0.0:
+                e = int(twin[U(previous_edge(e))])
+            else:
+                break
+        start = e if inside else int(twin[U(e)])
+        if not inside:
+            found[U(row)] = -1
+            continue
+        # Which edges is it on? If one, look across it; if two, look around their common corner.
+        best = e >> 2
+        on = -1
+        zeros = 0
+        for _ in range(3):
+            a = int(origin[U(e)])
+            b = int(origin[U(next_edge(e))])
+            if side_of(xy[U(2 * a)], xy[U(2 * a + 1)], xy[U(2 * b)], xy[U(2 * b + 1)], qx, qy, work) == 0.0:
+                zeros += 1
+                on = e
+                if xy[U(2 * a)] == qx and xy[U(2 * a + 1)] == qy:
+                    zeros = 3
+                    break
+            e = next_edge(e)
+        if zeros == 1:
+            other = int(twin[U(on)]) >> 2
+            if cell[U(other)] >= 0 and cell[U(other)] < cell[U(best)]:
+                best = other
+        elif zeros > 1:
+            # Around the vertex a, where ``on`` starts.
+            e = on
+            while True:
+                other = e >> 2
+                if cell[U(other)] >= 0 and cell[U(other)] < cell[U(best)]:
+                    best = other
+                e = int(twin[U(previous_edge(e))])
+                if e == on:
+                    break
+        found[U(row)] = cell[U(best)] >> 2
+        turn = cell[U(best)] & 3
+        total = 0.0
+        for k in range(3):
+            a = int(origin[U(4 * best + (k + turn + 1) % 3)])
+            b = int(origin[U(4 * best + (k + turn + 2) % 3)])
+            area = side_of(xy[U(2 * a)], xy[U(2 * a + 1)], xy[U(2 * b)], xy[U(2 * b + 1)], qx, qy, work)
+            weights[U(3 * row + k)] = area
+            total += area
+        for k in range(3):
+            weights[U(3 * row + k)] = weights[U(3 * row + k)] / total + 0.0  # no negative zeros
+
+
+@kernel
+def canonical_cells(origin, n_triangles, place, order, counts, cells, cell):
+    """Write the finite triangles in an order that depends on nothing but the set of them; return how many.
+
+    Corners are turned so that the one of lowest place, in ``place`` or, if that is empty, by its number, comes first.
+    Triangles go by the places of the first and then of the second corner, which no other triangle shares: a sort by
+    counting and one of few in each bucket. Corners are written as ``order`` names them. ``cell``, if it is not empty,
+    gets for each slot -1, or 4 times the number of its triangle plus the number of the corner that was turned to the
+    front.
+    """
+    ranked = len(place) > 0
+    counts[:] = 0
+    for t in range(n_triangles):
+        a = int(origin[U(4 * t)])
+        b = int(origin[U(4 * t + 1)])
+        c = int(origin[U(4 * t + 2)])
+        if (a | b | c) >= 0 and origin[U(4 * t + 3)] & DEAD == 0:
+            if ranked:
+                lowest = min(place[U(a)], place[U(b)], place[U(c)])
+            else:
+                lowest = min(a, b, c)
+            counts[U(lowest + 1)] += 1
+    for k in range(1, len(counts)):
+        counts[U(k)] += counts[U(k - 1)]
+    # The last entry is the number of all; from here on counts[k] runs from the start of bucket k to its end.
+    total = int(counts[U(len(counts) - 1)])
+    for t in range(n_triangles):
+        a = int(origin[U(4 * t)])
+        b = int(origin[U(4 * t + 1)])
+        c = int(origin[U(4 * t + 2)])
+        if (a | b | c) < 0 or origin[U(4 * t + 3)] & DEAD != 0:
+            continue
+        pa, pb, pc = a, b, c
+        if ranked:
+            pa = int(place[U(a)])
+            pb = int(place[U(b)])
+            pc = int(place[U(c)])
+        lowest = min(pa, pb, pc)
+        turn = 0
+        if lowest == pb:
+            a, b, c = b, c, a
+            pb = pc
+            turn = 1
+        elif lowest == pc:
+            a, b, c = c, a, b
+            pb = pa
+            turn = 2
+        # The slot and the second corner's place stand in the upper halves of two words meanwhile.
+        at = int(counts[U(lowest)])
+        counts[U(lowest)] = at + 1
+        cells[U(at), 0] = ((4 * t + turn) << 32) | a
+        cells[U(at), 1] = b
+        cells[U(at), 2] = (pb << 32) | c
+    first = 0
+    for k in range(len(counts) - 1):
+        last = int(counts[U(k)])
+        for i in range(first + 1, last):
+            a = cells[U(i), 0]
+            b = cells[U(i), 1]
+            c = cells[U(i), 2]
+            j = i - 1
+            while j >= first and cells[U(j), 2] >> 32 > c >> 32:
+                cells[U(j + 1), 0] = cells[U(j), 0]
+                cells[U(j + 1), 1] = cells[U(j), 1]
+                cells[U(j + 1), 2] = cells[U(j), 2]
+                j -= 1
+            cells[U(j + 1), 0] = a
+            cells[U(j + 1), 1] = b
+            cells[U(j + 1), 2] = c
+        first = last
+    if len(cell) > 0:
+        cell[:] = -1
+    for i in range(total):
+        if len(cell) > 0:
+            slot = cells[U(i), 0] >> 32
+            cell[U(slot >> 2)] = 4 * i + (slot & 3)
+        cells[U(i), 0] = order[U(cells[U(i), 0] & 0xFFFFFFFF)]
+        cells[U(i), 1] = order[U(cells[U(i), 1])]
+        cells[U(i), 2] = order[U(cells[U(i), 2] & 0xFFFFFFFF)]
+    return total

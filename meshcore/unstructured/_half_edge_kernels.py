@@ -24,6 +24,9 @@ DONE, MORE, FULL, FAILED = 0, 1, 2, 3
 
 U = np.uint64
 
+# A little above the bound for the permanent itself, for the rounding of what stands in its place.
+_CIRCLE_BOUND = INCIRCLE_BOUND * (1 + 2.0**-40)
+
 
 @kernel(inline=True)
 def next_edge(e):
@@ -73,10 +76,34 @@ def circle_side(ax, ay, bx, by, cx, cy, qx, qy, work):
     bl = bdx * bdx + bdy * bdy
     cl = cdx * cdx + cdy * cdy
     det = al * (bc - cb) + bl * (ca - ac) + cl * (ab - ba)
-    permanent = (abs(bc) + abs(cb)) * al + (abs(ca) + abs(ac)) * bl + (abs(ab) + abs(ba)) * cl
-    if abs(det) > INCIRCLE_BOUND * permanent:
+    # At least the permanent: |bx cy| + |cx by| <= |b| |c| <= (bl + cl) / 2 by Cauchy and Schwarz, and so on.
+    if abs(det) > _CIRCLE_BOUND * (al * bl + cl * (al + bl)):
         return det
     return incircle_exact(ax, ay, bx, by, cx, cy, qx, qy, work)
+
+
+@kernel
+def circle_tie(xy, order, a, b, c, q, work):
+    """Whether vertex q counts as inside (1) or outside (-1) the circle through a, b, c that it lies on.
+
+    Vertex v is lifted to |v|^2 + eps^(order[v] + 1), eps smaller than anything, so that the lowest number decides. The
+    determinant is linear in the lifts; the coefficient of each is the orientation of the three others, which is never
+    zero on a circle (Edelsbrunner and Muecke 1990; Devillers and Teillaud 2011). The answer depends on the points and
+    their numbers only, not on the order of insertion.
+    """
+    i = order[U(a)]
+    j = order[U(b)]
+    k = order[U(c)]
+    lowest = min(i, j, k)
+    if order[U(q)] < lowest:
+        return -1.0
+    if i == lowest:
+        u, v = b, c
+    elif j == lowest:
+        u, v = c, a
+    else:
+        u, v = a, b
+    return side_of(xy[U(2 * u)], xy[U(2 * u + 1)], xy[U(2 * v)], xy[U(2 * v + 1)], xy[U(2 * q)], xy[U(2 * q + 1)], work)
 
 
 @kernel

@@ -2,85 +2,148 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import copy
+import numbers
+import os
+from typing import Any
 
 import numpy as np
 
-from ..errors import GenerationFailed, InvalidGeometry
+from ..errors import InvalidGeometry, InvalidInput
 from ..geometry import predicates
-from ..progress import Progress, advance, silent
-from . import _delaunay_kernels as delaunay_kernels
+from ..geometry.location import Location
+from ..mesh import Mesh
+from ..progress import Progress, part_of, silent
+from . import _delaunay_kernels as kernels
 from . import _half_edge_kernels as half_edges
+from .half_edge_arrays import Scratch, grown
+from .insertion_order import InsertionOrder, insertion_order
+from .point_insertion import insert, insert_on_threads
 
-_POINTS_A_CHUNK = 50_000
+__all__ = ["Scratch", "Triangulation", "grown", "triangulated"]
+
+# Of the points along the curve every so many are inserted first: cavities are then rounder than at the edge of a
+# growing strip, and threads find triangles of their own.
+_STRIDES = (256, 16)
+# Below this number of points a second thread does not pay.
+_POINTS_A_THREAD = 50_000
+# Half-edges are numbered by 32 bits, four a triangle and two triangles a point.
+MAX_POINTS = 2**28 - 8
 # A counter-clockwise triangle 0, 1, 2 and the ghosts (b, a, infinity) beyond its edges.
 _FIRST_ORIGIN = [0, 1, 2, 0, 1, 0, -1, 0, 2, 1, -1, 0, 0, 2, -1, 0]
 _FIRST_TWIN = [4, 8, 12, 0, 0, 14, 9, 0, 1, 6, 13, 0, 2, 10, 5, 0]
+_FIRST_CORNERS = [0, 1, 2, 4, 5, 8, 9, 12, 13]
+# Up to this many points `Triangulation.add` is not to be cancelled.
+_POINTS_IN_PLACE = 20_000
 
 
-def grown(array: np.ndarray, size: int, fill: float = 0) -> np.ndarray:
-    """A longer copy of an array along its first axis."""
-    longer = np.zeros((size, *array.shape[1:]), array.dtype)  # no memory is touched before it is used
-    longer[: len(array)] = array
-    if fill:
-        longer[len(array) :] = fill
-    return longer
-
-
-@dataclass
-class Scratch:
-    """Buffers that kernels need while they run; nothing is kept in them between calls that end with DONE."""
-
-    size: int = 4096
-    stack: np.ndarray = field(init=False)
-    ring: np.ndarray = field(init=False)
-    ring_from: np.ndarray = field(init=False)
-    cavity: np.ndarray = field(init=False)
-    work: np.ndarray = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.stack = np.empty(4 * self.size, np.int32)
-        self.ring = np.empty(self.size, np.int32)
-        self.ring_from = np.empty(self.size, np.int32)
-        self.cavity = np.empty(self.size, np.int32)
-        self.work = predicates.workspace()
-
-    def grow(self) -> None:
-        """Double the buffers; their content is kept."""
-        self.size *= 2
-        self.stack = grown(self.stack, 4 * self.size)
-        for name in ("ring", "ring_from", "cavity"):
-            setattr(self, name, grown(getattr(self, name), self.size))
-
-
-@dataclass
 class Triangulation:
-    """A Delaunay triangulation of the plane, ghosts included, as `_half_edge_kernels` lays it out.
+    """A Delaunay triangulation of points in the plane, to which points can be added and in which they can be found.
+
+    It is made by `from_points`. Of points on one circle the one of lowest number decides which diagonals there are (it
+    counts as lifted a little above the paraboloid), so that there is only one Delaunay triangulation: however it is
+    built, in one go or by and by, on however many threads, the mesh is the same.
+
+    Parameters
+    ----------
+    xy : (2 * n,) float
+        Coordinates of the vertices, safe for the predicates; vertices are points in the order of their insertion.
+    order : (n,) int32
+        For each vertex the number of the point that it stands for.
+    quantum : float
+        A power of two that divides all coordinates, or zero (`predicates.quantum_of`).
 
     Attributes
     ----------
-    xy : (2 * n,) float
-        Coordinates of the vertices, in the order of their insertion.
-    order : (n,) int
-        For each vertex the number of the point that it stands for.
     origin, twin : (4 * capacity,) int32
-        Half-edges, flags and stamps.
+        Half-edges, flags and stamps, ghosts included, as `_half_edge_kernels` lays them out.
     n_triangles : int
         Slots in use, ghosts included.
+    start : int
+        A half-edge of a finite triangle, where walks start.
+    scratch : Scratch
+        Buffers.
+
+    References
+    ----------
+    Survey, section 3.2.4. H. Edelsbrunner, E. P. Muecke, "Simulation of simplicity", ACM Trans. Graphics 9 (1990).
+
+    Examples
+    --------
+    >>> square = Triangulation.from_points([[0, 0], [1, 0], [1, 1], [0, 1]])
+    >>> square.mesh()
+    Mesh(4 points, 2 triangle)
+    >>> square.add([[0.5, 0.5]])
+    >>> square.mesh()
+    Mesh(5 points, 4 triangle)
+    >>> cell, barycentric = square.locate([[0.5, 0.25], [2.0, 2.0]])
+    >>> square.mesh().cells["triangle"][cell[0]].tolist(), barycentric[0].tolist(), int(cell[1])
+    ([0, 1, 4], [0.25, 0.25, 0.5], -1)
     """
 
-    xy: np.ndarray
-    order: np.ndarray
-    origin: np.ndarray
-    twin: np.ndarray
-    n_triangles: int
-    scratch: Scratch
+    def __init__(self, xy: np.ndarray, order: np.ndarray, quantum: float):
+        n = len(order)
+        self.xy, self._order, self.n_vertices, self.quantum = xy, order, n, quantum
+        # All words of a slot are written when it is first used; of the spare ones only the flags must be clear.
+        self.origin, self.twin = (np.empty(4 * (2 * n + 8), np.int32) for _ in range(2))
+        self.origin[8 * n - 32 :] = 0
+        self.twin[8 * n - 32 :] = 0
+        self.n_triangles = self.start = 0
+        self.scratch = Scratch(quantum)
+        # Of the points as the caller gave them; `from_points` fills these in.
+        self.exponent = 0
+        self._points = np.empty((0, 3))
+        self.n_points = 0
+        self.merged = self.kept = np.empty(0, np.int64)
+        self._added = False
+        self._numbered: tuple[Mesh, np.ndarray] | None = None
+
+    @classmethod
+    def from_points(cls, points: Any, *, threads: int | None = None, progress: Progress = silent) -> Triangulation:
+        """Triangulate points.
+
+        Parameters
+        ----------
+        points : (n, 2) or (n, 3) float, or Mesh
+            z must be zero. Of points at one place the first becomes a vertex.
+        threads : int, optional
+            How many to use; without it as many as pay, up to the cores there are.
+        progress : Progress, optional
+            Called with fraction and message.
+
+        Returns
+        -------
+        Triangulation
+
+        Raises
+        ------
+        InvalidInput
+            If points are not in the plane z = 0, are too many, or too far apart in magnitude.
+        InvalidGeometry
+            If points are not finite, all on one line, or fewer than three.
+        """
+        cloud = planar_points(points)
+        scaled, exponent = predicates.rescaled(cloud)
+        mesh = triangulated(scaled, progress, threads=threads)
+        mesh.exponent, mesh._points, mesh.n_points = exponent, cloud, len(cloud)
+        return mesh
+
+    @property
+    def order(self) -> np.ndarray:
+        """(n,) int32: for each vertex the number of the point that it stands for."""
+        return self._order[: self.n_vertices]
+
+    @property
+    def points(self) -> np.ndarray:
+        """(m, 3) float: all points as given, those that were merged included."""
+        return self._points[: self.n_points]
 
     @property
     def vertex_of(self) -> np.ndarray:
-        """(n,) int: for each point its vertex."""
-        vertex = np.empty(len(self.order), np.int64)
-        vertex[self.order] = np.arange(len(self.order))
+        """(m,) int: for each point its vertex."""
+        vertex = np.empty(self.n_vertices + len(self.merged), np.int64)
+        vertex[self.order] = np.arange(self.n_vertices)
+        vertex[self.merged] = vertex[self.kept]
         return vertex
 
     def live(self) -> tuple[np.ndarray, np.ndarray]:
@@ -90,76 +153,243 @@ class Triangulation:
         count = half_edges.live_triangles(self.origin, self.n_triangles, corners, slots)
         return corners[:count], slots[:count]
 
+    def mesh(self) -> Mesh:
+        """The triangles on all points.
 
-def triangulated(points: np.ndarray, progress: Progress = silent, parameter: str = "points") -> Triangulation:
-    """Delaunay triangulation of different points, safe for exact arithmetic (`predicates.rescaled`).
+        Returns
+        -------
+        Mesh
+            Counter-clockwise "triangle" cells, in an order that depends on the points only: along a Hilbert curve.
+        """
+        return self._numbering()[0]
+
+    def _numbering(self) -> tuple[Mesh, np.ndarray]:
+        """The mesh, and for each slot the number of its cell as `canonical_cells` writes it."""
+        if self._numbered is None:
+            number_of = np.empty(self.n_triangles, np.int32)
+            cells = canonical_cells(self.origin, self.n_triangles, self.order, self._places(), number_of)
+            self._numbered = Mesh(self.points, {"triangle": cells}), number_of
+        return self._numbered
+
+    def _places(self) -> np.ndarray:
+        """For each vertex its place along the curve of all points; empty if that is its number."""
+        if not self._added:
+            return np.empty(0, np.int32)
+        rows = insertion_order(np.ldexp(self.points, self.exponent), 2, rounds=False).rows
+        place = np.empty(self.n_vertices, np.int32)
+        place[self.vertex_of[rows]] = np.arange(len(rows))
+        return place
+
+    def locate(self, points: Any) -> Location:
+        """Find the triangle that holds each point, by walks along a Hilbert curve, with exact decisions.
+
+        Parameters
+        ----------
+        points : (k, 2) or (k, 3) float, or Mesh
+            Where to look; z does not count. A point on an edge or a vertex gets the first of its cells.
+
+        Returns
+        -------
+        Location
+            ``cell``, (k,) int, numbers the cells of `mesh`, -1 outside; ``barycentric`` is (k, 3) float, nan outside.
+
+        Raises
+        ------
+        InvalidInput
+            If the array has another shape.
+        InvalidGeometry
+            If points are not finite.
+        """
+        queries = Mesh(points, {}).points if not isinstance(points, Mesh) else points.points
+        # Beyond the range of the predicates nothing is inside; below it coordinates are rounded to what they resolve.
+        queries = np.clip(np.ldexp(queries, self.exponent), -(2.0**200), 2.0**200)
+        tiny = np.abs(queries) < 2.0 ** (predicates.LOWEST_BIT + 53)
+        queries[tiny] = np.ldexp(np.rint(np.ldexp(queries[tiny], -predicates.LOWEST_BIT)), predicates.LOWEST_BIT)
+        order = insertion_order(queries, 2, rounds=False)
+        cell = np.empty(len(queries), np.int64)
+        weights = np.full((len(queries), 3), np.nan)
+        kernels.locate_points(
+            self.xy, self.origin, self.twin, order.coordinates, order.rows, self.start, self._numbering()[1], cell,
+            weights.reshape(-1), predicates.workspace(),
+        )  # fmt: skip
+        cell[order.merged], weights[order.merged] = cell[order.kept], weights[order.kept]
+        return Location(cell, weights)
+
+    def add(self, points: Any, *, progress: Progress = silent) -> None:
+        """Add points, inside or outside the hull; the mesh becomes that of all points together.
+
+        Parameters
+        ----------
+        points : (k, 2) or (k, 3) float, or Mesh
+            z must be zero. They are numbered on from those there are.
+        progress : Progress, optional
+            Called with fraction and message. If it cancels, the triangulation stays as it was.
+
+        Raises
+        ------
+        InvalidInput
+            If points are not in the plane z = 0, or all points together are too many or too far apart in magnitude.
+        InvalidGeometry
+            If points are not finite.
+        """
+        new = planar_points(points)
+        if not len(new):
+            return
+        _check_count(self.n_points + len(new))
+        scaled = np.ldexp(new, self.exponent) if self.exponent else new
+        if not predicates.is_safe(scaled):
+            again = Triangulation.from_points(np.concatenate([self.points, new]), progress=progress)
+            vars(self).update(vars(again))
+            return
+        order = insertion_order(scaled, 2, rounds=False, progress=part_of(progress, 0.0, 0.2))
+        # Few points are inserted in place and at once; for many a copy may be thrown away if the user cancels.
+        few = len(new) <= _POINTS_IN_PLACE
+        bigger = self._extended(new, order, predicates.quantum_of(scaled), in_place=few)
+        todo = np.arange(self.n_vertices, bigger.n_vertices, dtype=np.int32)
+        again = insert(bigger, todo, silent if few else part_of(progress, 0.2, 1.0))
+        self._replace_by(bigger, again, order)
+
+    def _extended(self, new: np.ndarray, order: InsertionOrder, quantum: float, *, in_place: bool) -> Triangulation:
+        """A copy with more vertices, not yet inserted; with ``in_place`` arrays are shared if they have the room."""
+        n, k = self.n_vertices, len(order.rows)
+
+        def roomy(array: np.ndarray, used: int, needed: int) -> np.ndarray:
+            if in_place and needed <= len(array):
+                return array
+            return grown(array[:used], needed + needed // 2)
+
+        bigger = copy.copy(self)
+        bigger.xy = roomy(self.xy, 2 * n, 2 * (n + k))
+        bigger.xy[2 * n : 2 * (n + k)] = order.coordinates
+        bigger._order = roomy(self._order, n, n + k)
+        bigger._order[n : n + k] = order.rows + np.int32(self.n_points)
+        bigger._points = roomy(self._points, self.n_points, self.n_points + len(new))
+        bigger._points[self.n_points : self.n_points + len(new)] = new
+        slots = self.n_triangles + 2 * k + 8
+        bigger.origin, bigger.twin = (
+            roomy(array, 4 * self.n_triangles, 4 * slots) for array in (self.origin, self.twin)
+        )
+        bigger.n_vertices, bigger.n_points = n + k, self.n_points + len(new)
+        bigger.quantum = min(self.quantum, quantum)
+        bigger.scratch = Scratch(bigger.quantum)
+        return bigger
+
+    def _replace_by(self, bigger: Triangulation, again: np.ndarray, order: InsertionOrder) -> None:
+        """Take over what `add` has made; ``again`` are new vertices at the places of others."""
+        first = self.n_points
+        rows = order.rows[again - self.n_vertices] + np.int64(first)
+        others = bigger._order[~bigger._order[again]]
+        bigger._order[again] = rows
+        stays = np.arange(first, bigger.n_points)
+        stays[rows - first] = others
+        stays[order.merged] = stays[order.kept]
+        merged = np.flatnonzero(stays != np.arange(first, bigger.n_points))
+        bigger.merged = np.append(self.merged, merged + first)
+        bigger.kept = np.append(self.kept, stays[merged])
+        bigger._added, bigger._numbered = True, None
+        vars(self).update(vars(bigger))
+
+
+def triangulated(
+    points: np.ndarray, progress: Progress = silent, parameter: str = "points", *, threads: int | None = 1
+) -> Triangulation:
+    """Delaunay triangulation of points that are safe for exact arithmetic (`predicates.rescaled`).
 
     Parameters
     ----------
-    points : (n, 2) float
-        No two equal.
+    points : (n, 2) or (n, 3) float
+        z is not looked at. Of equal points the first becomes a vertex.
     progress : Progress, optional
         Called with fraction and message.
     parameter : str
         What errors call the points.
+    threads : int, optional
+        None for as many as pay.
+
+    Returns
+    -------
+    Triangulation
 
     Raises
     ------
+    InvalidInput
+        If there are too many points.
     InvalidGeometry
-        If there are fewer than three points, or all lie on one line.
+        If there are fewer than three different points, or all lie on one line.
     """
-    n = len(points)
-    order = _hilbert_order(points)
-    order = _with_triangle_first(points, order, parameter)
-    scratch = Scratch()
-    xy = np.ascontiguousarray(points[order]).ravel()
-    origin = np.zeros(4 * (2 * n + 8), np.int32)
-    twin = np.zeros_like(origin)
-    origin[:16], twin[:16] = _FIRST_ORIGIN, _FIRST_TWIN
-    duplicate = np.full(n, -1, np.int32)
-    state = np.array([3, 4, 0], np.int64)
-    status = half_edges.MORE
-    while status in (half_edges.MORE, half_edges.FULL):
-        advance(progress, state[delaunay_kernels.POINT] / n, "triangulating points")
-        status = delaunay_kernels.insert_points(
-            xy, n, origin, twin, scratch.work, scratch.stack, scratch.ring, scratch.ring_from, scratch.cavity,
-            duplicate, state, _POINTS_A_CHUNK,
-        )  # fmt: skip
-        if status == half_edges.FULL:
-            scratch.grow()
-    if status != half_edges.DONE or (duplicate >= 0).any():
-        raise GenerationFailed("the Delaunay triangulation met an impossible state; please report the points")
-    return Triangulation(xy, order, origin, twin, int(state[delaunay_kernels.TRIANGLES]), scratch)
-
-
-def _hilbert_order(points: np.ndarray) -> np.ndarray:
-    """(n,) int: the points along a Hilbert curve, so that each is inserted near the one before."""
-    n = len(points)
-    keys = np.empty(n, np.int64)
-    if n:
-        bits = min(24, (62 - n.bit_length()) // 2)
-        delaunay_kernels.hilbert_keys(np.ascontiguousarray(points).ravel(), n, bits, keys)
-        # One sort of plain integers: the key above, the point's own number below.
-        keys = np.sort((keys << n.bit_length()) | np.arange(n)) & ((1 << n.bit_length()) - 1)
-    return keys
-
-
-def _with_triangle_first(points: np.ndarray, order: np.ndarray, parameter: str) -> np.ndarray:
-    """``order`` with a counter-clockwise triangle as its first three points."""
-    if len(order) < 3:
-        raise InvalidGeometry(f"needs at least three different points, got {len(order)}", parameter=parameter)
-    a, b = points[order[0]], points[order[1]]
-    rest = points[order[2:]]
-    left, right = (a[0] - rest[:, 0]) * (b[1] - rest[:, 1]), (a[1] - rest[:, 1]) * (b[0] - rest[:, 0])
-    turn = left - right
-    clear = np.flatnonzero(np.abs(turn) > 1e-15 * (np.abs(left) + np.abs(right)))
-    if len(clear):
-        third, sign = clear[0], turn[clear[0]]
+    _check_count(len(points), parameter)
+    order = insertion_order(points, 2, rounds=False, progress=part_of(progress, 0.0, 0.2))
+    corners = _first_triangle(order.coordinates.reshape(-1, 2), parameter)
+    mesh = Triangulation(order.coordinates, order.rows, predicates.quantum_of(points))
+    mesh._points, mesh.n_points, mesh.merged, mesh.kept = points, len(points), order.merged, order.kept
+    mesh.origin[:16], mesh.twin[:16] = _FIRST_ORIGIN, _FIRST_TWIN
+    mesh.origin[_FIRST_CORNERS] = np.array(corners)[mesh.origin[_FIRST_CORNERS]]
+    mesh.n_triangles = 4
+    rounds = [part[~np.isin(part, corners)] for part in _rounds(len(mesh.order))]
+    threads = _threads(threads, len(mesh.order))
+    progress = part_of(progress, 0.2, 1.0)
+    if threads > 1:
+        insert(mesh, rounds[0], part_of(progress, 0.0, 0.05))
+        insert_on_threads(mesh, np.concatenate(rounds[1:]), threads, part_of(progress, 0.05, 1.0))
     else:
-        signs = predicates.orient2d(a, b, rest)
-        if not signs.any():
-            raise InvalidGeometry(f"all {len(order)} points lie on one line; no area to mesh", parameter=parameter)
-        third = np.flatnonzero(signs)[0]
-        sign = signs[third]
-    first = [order[0], order[1], order[2 + third]] if sign > 0 else [order[1], order[0], order[2 + third]]
-    return np.concatenate([first, np.delete(order[2:], third)])
+        insert(mesh, np.concatenate(rounds), progress)
+    return mesh
+
+
+def _rounds(n: int) -> list[np.ndarray]:
+    """The numbers below n, int32, in the order of insertion: first every so many along the curve, then the others."""
+    rounds = []
+    rest = np.arange(n, dtype=np.int32)
+    for stride in _STRIDES:
+        rounds.append(rest[rest % stride == 0])
+        rest = rest[rest % stride != 0]
+    return [*rounds, rest]
+
+
+def _threads(wanted: int | None, n: int) -> int:
+    """How many threads to use for n points; none gets fewer than `_POINTS_A_THREAD`."""
+    if wanted is not None and (isinstance(wanted, bool) or not isinstance(wanted, numbers.Integral) or wanted < 1):
+        raise InvalidInput(f"needs a whole number of at least 1, or None, got {wanted!r}", parameter="threads")
+    if wanted is None:
+        wanted = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return max(1, min(wanted, n // _POINTS_A_THREAD))
+
+
+def _first_triangle(xy: np.ndarray, parameter: str) -> tuple[int, int, int]:
+    """A counter-clockwise triangle of the first two vertices and the first one that is not on their line."""
+    if len(xy) < 3:
+        raise InvalidGeometry(f"needs at least three different points, got {len(xy)}", parameter=parameter)
+    start, size = 2, 1000
+    while start < len(xy):
+        signs = predicates.orient2d(xy[0], xy[1], xy[start : start + size])
+        if signs.any():
+            third = int(np.flatnonzero(signs)[0])
+            return (0, 1, start + third) if signs[third] > 0 else (1, 0, start + third)
+        start, size = start + size, 4 * size
+    raise InvalidGeometry(f"all {len(xy)} points lie on one line; no area to mesh", parameter=parameter)
+
+
+def planar_points(points: Any, parameter: str = "points") -> np.ndarray:
+    """(n, 3) float: points as an array or of a mesh, checked to be finite and in the plane z = 0."""
+    cloud = points if isinstance(points, Mesh) else Mesh(points, {})
+    if not cloud.is_planar:
+        high = float(np.abs(cloud.points[:, 2]).max())
+        raise InvalidInput(f"needs points in the plane z = 0, but z reaches {high:g}", parameter=parameter)
+    return cloud.points
+
+
+def canonical_cells(
+    origin: np.ndarray, n_triangles: int, order: np.ndarray, place: np.ndarray, number_of: np.ndarray
+) -> np.ndarray:
+    """(m, 3) int64: the finite triangles by the points' numbers, in an order that depends on the set of them only.
+
+    ``place`` and ``number_of`` may be empty: see the kernel of the same name.
+    """
+    cells = np.empty((n_triangles, 3), np.int64)
+    counts = np.empty(len(order) + 1, np.int32)
+    return cells[: kernels.canonical_cells(origin, n_triangles, place, order, counts, cells, number_of)]
+
+
+def _check_count(n: int, parameter: str = "points") -> None:
+    if n > MAX_POINTS:
+        raise InvalidInput(f"{n:,} points are too many; the limit is {MAX_POINTS:,}", parameter=parameter)

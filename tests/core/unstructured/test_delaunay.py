@@ -1,40 +1,83 @@
-"""Delaunay triangulation of points."""
+"""Delaunay triangulation of points in the plane: exact, unique, the same however it is built."""
+
+import tracemalloc
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from scipy.spatial import ConvexHull, Delaunay
+from scipy.spatial import Delaunay
 
-from meshcore import InvalidGeometry, InvalidInput, delaunay_2d
-from tests import naive
+from meshcore import Cancelled, InvalidGeometry, InvalidInput, Mesh, Triangulation, delaunay_2d
+from meshcore.geometry.location import locate
+from meshcore.unstructured import point_insertion
+from meshcore.unstructured import triangulation as module
+from tests import naive, naive_delaunay
 from tests.core.unstructured import invariants
 
-
-def used(mesh):
-    return mesh.compacted()
+lattice = st.integers(0, 5).map(float)
 
 
-@settings(max_examples=60)
-@given(arrays(np.float64, st.tuples(st.integers(3, 25), st.just(2)), elements=st.integers(0, 6).map(float)))
-def test_small_grids_with_repeats_are_delaunay(points):
-    if np.linalg.matrix_rank(points - points[0]) < 2:
+def cells(mesh):
+    return mesh.cells["triangle"].tolist()
+
+
+def as_set(mesh):
+    return {tuple(sorted(c)) for c in cells(mesh)}
+
+
+def assert_outline_is_convex(mesh):
+    """One loop that never turns right: the triangles cover the convex hull."""
+    directed = {(c[k], c[(k + 1) % 3]) for c in cells(mesh) for k in range(3)}
+    after = dict(edge for edge in directed if edge[::-1] not in directed)
+    loop = [next(iter(after))]
+    while after[loop[-1]] != loop[0]:
+        loop.append(after[loop[-1]])
+    assert len(loop) == len(after)
+    points = mesh.points[:, :2].tolist()
+    assert all(naive.side(points[a], points[b], points[after[b]]) >= 0 for a, b in after.items())
+
+
+def clouds():
+    """Sets that are hard in one way each, of a thousand points and more."""
+    rng = np.random.default_rng(11)
+    grid = np.stack(np.meshgrid(np.arange(40.0), np.arange(50.0)), axis=-1).reshape(-1, 2)
+    angle = np.linspace(0, 2 * np.pi, 2000, endpoint=False)
+    x = rng.random(1500)
+    return {
+        "uniform": rng.random((3000, 2)),
+        "integer grid": grid,
+        "linspace grid": grid / 49,
+        "rotated grid": grid @ [[0.6, 0.8], [-0.8, 0.6]],
+        "hex lattice": np.column_stack([grid[:, 0] + 0.5 * (grid[:, 1] % 2), grid[:, 1] * np.sqrt(0.75)]),
+        "circle and centre": np.append(np.column_stack([np.cos(angle), np.sin(angle)]), [[0, 0]], axis=0),
+        "clumps": (rng.random((20, 1, 2)) + 1e-9 * rng.normal(size=(20, 100, 2))).reshape(-1, 2),
+        "line up to rounding": np.column_stack([x, 0.3 * x + 0.1]),
+        "two lines": np.column_stack([x, np.arange(1500) % 2]),
+        "duplicates": rng.integers(0, 30, (3000, 2)).astype(float),
+    }
+
+
+CLOUDS = clouds()
+each_cloud = pytest.mark.parametrize("name", CLOUDS)
+
+
+@settings(max_examples=100)
+@given(arrays(np.float64, st.tuples(st.integers(3, 14), st.just(2)), elements=lattice))
+def test_small_sets_are_the_perturbed_triangulation(points):
+    if not naive_delaunay.delaunay_cells(points):
         with pytest.raises(InvalidGeometry):
             delaunay_2d(points)
         return
-    mesh = used(delaunay_2d(points))
-    invariants.assert_is_triangulation(mesh)
-    assert mesh.n_points == len(np.unique(points, axis=0))
-    assert naive.delaunay_circles_are_empty(mesh.points[:, :2].tolist(), invariants.triangles(mesh))
-    assert float(invariants.area(mesh)) == pytest.approx(ConvexHull(points).volume, rel=1e-12)
+    assert as_set(delaunay_2d(points).mesh) == naive_delaunay.delaunay_cells(points)
 
 
 @settings(max_examples=40)
 @given(arrays(np.float64, st.tuples(st.integers(3, 20), st.just(2)), elements=st.floats(-1, 1)))
 def test_any_points_are_delaunay(points):
     try:
-        mesh = used(delaunay_2d(points))
+        mesh = delaunay_2d(points).mesh.compacted()
     except InvalidGeometry:
         different = np.unique(points + 0.0, axis=0)
         a, b = different[0], different[-1]
@@ -44,32 +87,162 @@ def test_any_points_are_delaunay(points):
         assert "too far apart" in str(error)
         return
     invariants.assert_is_triangulation(mesh)
-    assert naive.delaunay_circles_are_empty(mesh.points[:, :2].tolist(), invariants.triangles(mesh))
+    assert naive.delaunay_circles_are_empty(mesh.points[:, :2].tolist(), cells(mesh))
 
 
-@pytest.mark.parametrize("seed", [5, 6])
-def test_the_triangles_are_qhulls(seed):
-    points = np.random.default_rng(seed).random((500, 2))
-    ours = {tuple(sorted(t)) for t in invariants.triangles(delaunay_2d(points))}
-    assert ours == {tuple(sorted(t)) for t in Delaunay(points).simplices.tolist()}
+@each_cloud
+def test_hard_clouds(name):
+    points = CLOUDS[name]
+    mesh, report = delaunay_2d(points)
+    used = mesh.compacted()
+    invariants.assert_is_triangulation(used)
+    assert naive.not_locally_delaunay(used.points[:, :2].tolist(), cells(used), []) == []
+    assert invariants.euler(used) == 1
+    assert_outline_is_convex(used)
+    assert report.counts["points"] == len(points) and report.counts["triangles"] == mesh.n_cells
+    assert report.counts["duplicates"] == len(points) - len(np.unique(points, axis=0)) == len(points) - used.n_points
+    assert bool(report.warnings) == bool(report.counts["duplicates"])
 
 
-@pytest.mark.parametrize("scale", [1e-8, 1.0, 1e8])
-def test_degenerate_clouds(scale):
-    grid = np.stack(np.meshgrid(np.arange(20.0), np.arange(30.0)), axis=-1).reshape(-1, 2)
-    angle = np.linspace(0, 2 * np.pi, 9000, endpoint=False)
-    circle = np.column_stack([np.cos(angle), np.sin(angle)])
-    line = np.column_stack([np.arange(300.0), 0.3 * np.arange(300.0) + 0.1])
-    for points in (grid, grid * 0.1, grid @ [[0.6, 0.8], [-0.8, 0.6]], np.append(circle, [[0, 0]], axis=0), line):
-        mesh = delaunay_2d(points * scale)
-        invariants.assert_is_triangulation(mesh)
-    mesh = delaunay_2d(grid * scale)
-    assert mesh.n_cells == 2 * 19 * 29
+@each_cloud
+def test_the_cells_do_not_depend_on_threads_nor_on_the_way_there(name, monkeypatch):
+    points = CLOUDS[name]
+    expected = cells(delaunay_2d(points, threads=1).mesh)
+    monkeypatch.setattr(module, "_POINTS_A_THREAD", 100)
+    for threads in (2, 3, 7):
+        assert cells(delaunay_2d(points, threads=threads).mesh) == expected
+    growing = Triangulation.from_points(points[:50])
+    for part in np.array_split(points[50:], [1, 2, 300, 301, 900]):
+        growing.add(part)
+    mesh = growing.mesh()
+    assert (mesh.points[:, :2] == points).all() and cells(mesh) == expected
+    monkeypatch.setattr(module, "_POINTS_IN_PLACE", 0)
+    copied = Triangulation.from_points(points[:50])
+    copied.add(points[50:])
+    assert cells(copied.mesh()) == expected
 
 
-def test_the_same_points_give_the_same_triangles():
-    points = np.random.default_rng(7).random((300, 2))
-    assert (delaunay_2d(points).cells["triangle"] == delaunay_2d(points).cells["triangle"]).all()
+def test_shuffled_points_without_ties_give_the_same_triangles():
+    points = CLOUDS["uniform"]
+    shuffle = np.random.default_rng(3).permutation(len(points))
+    shuffled = delaunay_2d(points[shuffle]).mesh
+    assert {tuple(sorted(shuffle[list(c)])) for c in cells(shuffled)} == as_set(delaunay_2d(points).mesh)
+    assert as_set(delaunay_2d(points).mesh) == {tuple(sorted(t)) for t in Delaunay(points).simplices.tolist()}
+
+
+def test_cells_are_canonical():
+    """By the places of the corners along the curve: the lowest first, then the second; each cell is near the last."""
+    points = CLOUDS["uniform"]
+    place = np.empty(len(points), int)
+    place[module.insertion_order(points, 2, rounds=False).rows] = np.arange(len(points))
+    corners = place[delaunay_2d(points).mesh.cells["triangle"]]
+    assert (corners.argmin(axis=1) == 0).all()
+    keys = [tuple(c) for c in corners[:, :2].tolist()]
+    assert keys == sorted(keys) and len(set(keys)) == len(keys)
+
+
+@pytest.mark.parametrize("scale", [1e-300, 1e-8, 1e8, 1e300])
+def test_any_scale_gives_the_same_cells(scale):
+    points = np.random.default_rng(4).integers(0, 2**20, (300, 2)).astype(float)
+    power = 2.0 ** np.round(np.log2(scale))
+    assert cells(delaunay_2d(points * power).mesh) == cells(delaunay_2d(points).mesh)
+
+
+def test_far_from_the_origin():
+    points = 1e8 + np.random.default_rng(5).integers(0, 50, (400, 2)) * 2.0**-20
+    invariants.assert_is_triangulation(delaunay_2d(points).mesh.compacted())
+
+
+@settings(max_examples=50, deadline=None)
+@given(
+    arrays(np.float64, st.tuples(st.integers(4, 14), st.just(2)), elements=lattice),
+    arrays(np.float64, st.tuples(st.integers(1, 10), st.just(2)), elements=st.integers(-2, 12).map(lambda k: k / 2)),
+    st.integers(3, 14),
+)
+def test_adding_and_locating_agree_with_the_twins(points, queries, first):
+    try:
+        growing = Triangulation.from_points(points[:first])
+    except InvalidGeometry:
+        return
+    growing.add(points[first:])
+    mesh = growing.mesh()
+    assert cells(mesh) == cells(delaunay_2d(points).mesh)
+    assert dict(zip(growing.merged.tolist(), growing.kept.tolist(), strict=True)) == {
+        row: kept for row, kept in enumerate(naive.first_of_equal(points)) if row != kept
+    }
+    cell, weights = growing.locate(queries)
+    by_tree = locate(mesh, queries)
+    assert cell.tolist() == by_tree.cell.tolist()
+    inside = cell >= 0
+    assert np.isnan(weights[~inside]).all() and (weights[inside] >= 0).all()
+    np.testing.assert_allclose(weights[inside].sum(axis=1), 1, rtol=1e-15)
+    corners = mesh.points[mesh.cells["triangle"][cell[inside]], :2]
+    np.testing.assert_allclose(np.einsum("kc,kcx->kx", weights[inside], corners), queries[inside], atol=1e-13)
+
+
+def test_vertices_and_odd_places_are_located():
+    points = CLOUDS["clumps"]
+    mesh = Triangulation.from_points(points)
+    cell, weights = mesh.locate(points)
+    corners = mesh.mesh().cells["triangle"][cell]
+    assert (weights.max(axis=1) == 1).all()
+    assert (corners[weights == 1] == np.arange(len(points))).all()
+    owners = np.full(len(points), mesh.mesh().n_cells)
+    np.minimum.at(owners, mesh.mesh().cells["triangle"], np.arange(mesh.mesh().n_cells)[:, None])
+    assert (cell == owners).all()
+    assert mesh.locate([[1e308, 0], [0, -1e308], [1e-320, 5.0]]).cell.tolist() == [-1, -1, -1]
+    assert mesh.locate(np.empty((0, 2))).cell.tolist() == []
+    with pytest.raises(InvalidGeometry):
+        mesh.locate([[np.nan, 0]])
+
+
+def test_a_mesh_gives_its_points_and_2d_and_3d_arrays_are_the_same():
+    points = np.random.default_rng(6).random((50, 2))
+    flat = np.column_stack([points, np.zeros(50)])
+    expected = cells(delaunay_2d(points).mesh)
+    assert cells(delaunay_2d(flat).mesh) == cells(delaunay_2d(Mesh(points, {"line": [[0, 1]]})).mesh) == expected
+
+
+def test_merged_points_are_named():
+    report = delaunay_2d([[0, 0], [1, 0], [0, 0.0], [0, 1], [-0.0, 0]]).report
+    assert report.counts == {"points": 5, "triangles": 1, "duplicates": 2}
+    assert report.warnings == ["2 points lie where another does and have no triangles: 2 at 0, 4 at 0"]
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_cancelling(threads, monkeypatch):
+    monkeypatch.setattr(module, "_POINTS_A_THREAD", 100)
+    monkeypatch.setattr(point_insertion, "_STEPS_A_CHUNK", 1000)
+    points = np.random.default_rng(8).random((30_000, 2))
+    seen = []
+
+    def stop_late(fraction, message):
+        seen.append(fraction)
+        return fraction < 0.25
+
+    with pytest.raises(Cancelled):
+        delaunay_2d(points, threads=threads, progress=stop_late)
+    assert seen == sorted(seen)
+    mesh = Triangulation.from_points(points[:1000])
+    before = cells(mesh.mesh())
+    with pytest.raises(Cancelled):
+        mesh.add(points[1000:], progress=stop_late)
+    assert cells(mesh.mesh()) == before and mesh.n_points == 1000
+    mesh.add(points[1000:])
+    assert cells(mesh.mesh()) == cells(delaunay_2d(points).mesh)
+
+
+def test_memory_a_point():
+    n = 100_000
+    points = np.random.default_rng(9).random((n, 2))
+    delaunay_2d(points[:100])
+    tracemalloc.start()
+    try:
+        delaunay_2d(points, threads=1)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak / n < 150
 
 
 @pytest.mark.parametrize(
@@ -78,11 +251,34 @@ def test_the_same_points_give_the_same_triangles():
         (np.empty((0, 2)), "three different points, got 0"),
         ([[0, 0], [1, 1]], "three different points, got 2"),
         ([[0, 0], [1, 1], [0, 0]], "three different points, got 2"),
+        (np.zeros((1000, 2)), "three different points, got 1"),
         ([[0, 0], [1, 1], [2, 2], [3, 3]], "one line"),
+        (np.column_stack([np.arange(5000.0), np.arange(5000.0)]), "one line"),
         ([[0, 0, 0], [1, 0, 2], [0, 1, 0]], "z = 0"),
         ([[0, 0], [1, np.nan], [0, 1]], "not finite"),
+        ([[0, 0], [1, np.inf], [0, 1]], "not finite"),
+        ([[0, 0], [1e300, 1], [1e-300, 1]], "too far apart"),
+        ([[0, 1, 2, 3]], "shape"),
+        ("points", "numbers"),
     ],
 )
 def test_bad_points_are_refused(points, message):
     with pytest.raises(InvalidInput, match=message):
         delaunay_2d(points)
+    mesh = Triangulation.from_points([[0, 0], [1, 0], [0, 1]])
+    if "line" not in message and "three" not in message:
+        with pytest.raises(InvalidInput, match=message):
+            mesh.add(points)
+    assert mesh.n_points == 3
+
+
+@pytest.mark.parametrize("threads", [0, -1, 1.5, "two", True])
+def test_bad_numbers_of_threads_are_refused(threads):
+    with pytest.raises(InvalidInput, match="threads"):
+        delaunay_2d([[0, 0], [1, 0], [0, 1]], threads=threads)
+
+
+def test_too_many_points_are_refused_before_anything_is_done(monkeypatch):
+    monkeypatch.setattr(module, "MAX_POINTS", 3)
+    with pytest.raises(InvalidInput, match="too many"):
+        delaunay_2d(np.random.default_rng(1).random((4, 2)))
