@@ -133,19 +133,36 @@ def _custom(attributes: Sequence[str], readers: Sequence, count: int) -> dict[st
     return found
 
 
-def to_boundary(layer: pymeshlab.Mesh, parameter: str) -> Mesh:
+def has(layer: pymeshlab.Mesh, name: str) -> bool:
+    """Whether a layer has a custom attribute of its vertices or faces by this name."""
+    if not layer.is_compact():
+        layer.compact()
+    return name in _point_data(layer, [name]) or name in _face_data(layer, [name])
+
+
+def to_boundary(layer: pymeshlab.Mesh, parameter: str, attributes: Sequence[str] = ()) -> Mesh:
     """The layer as lines: its edges, or else the edges of its faces that have a face on one side only.
 
-    Points at the same place are joined, since polylines often come with the ends of each edge on their own.
+    Points at the same place are joined, since polylines often come with the ends of each edge on their own; of their
+    data those of the first are kept.
+
+    Parameters
+    ----------
+    layer : pymeshlab.Mesh
+        Is compacted.
+    parameter : str
+        What errors call the layer.
+    attributes : sequence of str
+        Names of custom attributes of the vertices to take along.
 
     Raises
     ------
     InvalidGeometry
         If there are no such lines.
     """
-    mesh = to_mesh(layer)
+    mesh = to_mesh(layer, attributes)
     if layer.face_number():
-        mesh = Mesh(mesh.points, {"line": mesh.boundary.get("line")})
+        mesh = Mesh(mesh.points, {"line": mesh.boundary.get("line")}, point_data=mesh.point_data)
         if not mesh.n_cells:
             raise InvalidGeometry(
                 f"the surface {layer.label()!r} is closed: it has no boundary edges to begin from", parameter=parameter
@@ -153,7 +170,8 @@ def to_boundary(layer: pymeshlab.Mesh, parameter: str) -> Mesh:
     elif layer.edge_number():
         places, first, number = np.unique(mesh.points, axis=0, return_index=True, return_inverse=True)
         if len(places) < mesh.n_points:
-            mesh = Mesh(mesh.points, {"line": first[number.ravel()][mesh.get("line")]})
+            lines = first[number.ravel()][mesh.get("line")]
+            mesh = Mesh(mesh.points, {"line": lines}, point_data=mesh.point_data)
     else:
         raise InvalidGeometry(
             f"the layer {layer.label()!r} has {layer.vertex_number()} vertices, but neither edges nor faces",

@@ -151,19 +151,22 @@ def _run(op: Operation, ms: pymeshlab.MeshSet, keywords: dict[str, Any]) -> Filt
     if measure and measure not in meshcore.quality.measures():
         near = difflib.get_close_matches(str(measure), meshcore.quality.measures(), n=3)
         raise InvalidInput(f"{measure!r} is no quality measure; try {', '.join(near) or 'shape'}", parameter="measure")
-    attributes = list(_names(keywords.pop("attributes", ())))
+    attributes, named = list(_names(keywords.pop("attributes", ()))), []
     for name, param in op.params.items():
         value = keywords.get(name)
         if param.kind == "length":
             keywords[name] = length(value) if name in keywords else param.default
         own = (conversion.VERTEX_SCALAR, conversion.FACE_SCALAR)
         if param.array and isinstance(value, str) and value and value not in (*own, *attributes):
-            attributes.append(value)
+            named.append(value)
+    layers = {name: keywords.pop(name, None) for name in op.inputs}
+    given = [name for number, name in enumerate(op.inputs) if number == 0 or layers[name] is not None]
     inputs = {}
-    for number, (name, port) in enumerate(op.inputs.items()):
-        layer = keywords.pop(name, None)
-        if number == 0 or layer is not None:
-            inputs[name] = _input(conversion.layer_of(ms, layer, name), port, () if number else attributes)
+    for number, name in enumerate(given):
+        layer = conversion.layer_of(ms, layers[name], name)
+        # An array that a parameter names may belong to any of several inputs; meshcore says so if none has it.
+        wanted = [*([] if number else attributes), *(n for n in named if len(given) == 1 or conversion.has(layer, n))]
+        inputs[name] = _input(layer, op.inputs[name], wanted)
     if isinstance(keywords.get("marks"), str) and keywords["marks"] == SELECTED:
         keywords["marks"] = ms.current_mesh().face_selection_array()
     source = ms.current_mesh().label() if inputs else ""
@@ -183,7 +186,7 @@ def _names(value: Any) -> tuple[str, ...]:
 def _input(layer: pymeshlab.Mesh, port: Port, attributes: Any) -> meshcore.Mesh:
     """A layer as a port wants it."""
     if port.cells == ("line",):
-        return conversion.to_boundary(layer, port.name)
+        return conversion.to_boundary(layer, port.name, attributes)
     mesh = conversion.to_mesh(layer, attributes, polygons="quad" in port.cells or not port.cells)
     if port.cells and not any(len(mesh.get(kind)) for kind in port.cells):
         found = ", ".join(f"{len(c)} {kind}" for kind, c in mesh.cells.items()) or "no cells"
