@@ -112,7 +112,9 @@ def operation_class(op: Operation) -> str:
     name = label.replace(" ", "")
     ports = [(port.name, _takes(port), port.optional) for port in op.inputs.values()]
     output = "vtkStructuredGrid" if op.output == "grid" else "vtkUnstructuredGrid"
-    setters = "\n".join(_setter(param) for param in op.params.values())
+    setters = "\n".join(
+        [_setter(param) for param in op.params.values()] + [_own_setter(*own) for own in _own_arrays(op)]
+    )
     return f'''@smproxy.{"filter" if ports else "source"}(name="{name}", label="{label}", support_reload=False)
 @smhint.xml('<ShowInMenu category="meshcore"/>')
 @smproperty.xml(
@@ -127,6 +129,25 @@ class {name}(Operation):
     output = "{output}"
 
 {textwrap.indent(setters, "    ")}'''
+
+
+def _own_arrays(op: Operation) -> list[tuple[Port, Param]]:
+    """Parameters that name an array of the first input, for each optional input after it that may have it as well."""
+    return [(port, param) for port in _beside(op) for param in op.params.values() if param.array]
+
+
+def _beside(op: Operation) -> list[Port]:
+    """Optional inputs that are meshes beside a first one of lines, such as a background."""
+    first, *others = op.inputs.values() or [None]
+    return [port for port in others if port.optional and _takes(port) == "mesh" and _takes(first) == "lines"]
+
+
+def _own_setter(port: Port, param: Param) -> str:
+    """The method for the array of an optional input, which goes before one of the first input."""
+    return (
+        f"def Set{_camel(port.name)}{_camel(param.name)}(self, value):\n"
+        f'    self.prefer("{param.name}", "{port.name}", "" if value == NO_ARRAY else value)\n'
+    )
 
 
 def _tuple(rows: list[tuple[str, str, bool]]) -> str:
@@ -172,12 +193,18 @@ def _panel(op: Operation) -> str:
     """All properties of an operation, in order, and their groups."""
     inputs = list(op.inputs.values())
     parts = [_documentation(op.summary, f" short_help={quoteattr(op.label)}")]
-    parts += [_input(port, number, len(inputs)) for number, port in enumerate(inputs)]
-    parts += [_property(param, bool(inputs)) for param in op.params.values()]
+    count = len(inputs) - len(_beside(op))
+    parts += [_input(port, number, count) for number, port in enumerate(inputs)]
+    own: dict[str, list[str]] = {}
+    for param in op.params.values():
+        parts.append(_property(param, bool(inputs)))
+        for port in (port for port, other in _own_arrays(op) if other is param):
+            parts.append(_own_property(port, param))
+            own.setdefault(param.name, []).append(_camel(port.name) + _camel(param.name))
     groups: dict[str, list[str]] = {}
     for param in op.params.values():
         group = param.group or ("Advanced" if param.advanced else "Parameters")
-        groups.setdefault(group, []).append(_camel(param.name))
+        groups.setdefault(group, []).extend([_camel(param.name), *own.get(param.name, [])])
     for group, names in groups.items():
         members = "\n".join(f'  <Property name="{name}"/>' for name in names)
         parts.append(f"<PropertyGroup label={quoteattr(group)}>\n{members}\n</PropertyGroup>")
@@ -192,9 +219,9 @@ def _documentation(text: str, attributes: str = "") -> str:
 
 
 def _input(port: Port, number: int, count: int) -> str:
-    """An input; the first is called Input as in all of ParaView, and goes by its label only if there are several."""
+    """An input; the first is called Input as in all of ParaView, and goes by its label only if it is one of several."""
     name = "Input" if number == 0 else _camel(port.name)
-    label = quoteattr(port.label if count > 1 else name)
+    label = quoteattr(port.label if count > 1 or number else name)
     accepted = "vtkStructuredGrid" if _takes(port) == "grid" else "vtkDataSet"
     optional = "\n  <Hints><Optional/></Hints>" if port.optional else ""
     return f"""<InputProperty name="{name}" label={label} port_index="{number}" command="SetInputConnection">
@@ -225,6 +252,17 @@ def _property(param: Param, has_input: bool) -> str:
     inner = [_domain(param, has_input), _documentation(_description(param))]
     body = textwrap.indent("\n".join(part for part in inner if part), "  ")
     return f"<{tag} {head}>\n{body}\n</{tag}>"
+
+
+def _own_property(port: Port, param: Param) -> str:
+    """The list of an optional input's arrays."""
+    name = _camel(port.name) + _camel(param.name)
+    source = f'<RequiredProperties><Property name="{_camel(port.name)}" function="Input"/></RequiredProperties>'
+    head = f'name="{name}" label={quoteattr(f"{port.label} {param.label}")} command="Set{name}"'
+    return f"""<StringVectorProperty {head} number_of_elements="1" default_values="None" panel_visibility="default">
+  <ArrayListDomain name="array_list" none_string="None" input_domain_name="arrays">{source}</ArrayListDomain>
+{textwrap.indent(_documentation(f"The same, of {port.label}: it goes before one of the first input."), "  ")}
+</StringVectorProperty>"""
 
 
 def _default(param: Param) -> str:

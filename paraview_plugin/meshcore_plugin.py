@@ -449,11 +449,22 @@ class Operation(Algorithm):
     operation = ""
     called = set()  # operations that have run in this process, and are compiled
 
+    def __init__(self):
+        super().__init__()
+        self.preferred = {}
+
+    def prefer(self, name, port, value):
+        """Keep the array of an optional input, which goes before one of the first input if both are there."""
+        if self.preferred.get((name, port), "") != value:
+            self.preferred[name, port] = value
+            self.Modified()
+
     def make(self, inputs):
         import meshcore
 
         operation = meshcore.operations()[self.operation]
         values = {name: value for name, value in self.values.items() if value is not BY_DEFAULT}
+        values |= {name: value for (name, port), value in self.preferred.items() if value and port in inputs}
         if self.operation not in self.called:
             self.progress(0.0, "compiling, which the first call alone needs")
         mesh, report = operation.function(**inputs, **values, progress=self.progress)
@@ -1100,7 +1111,7 @@ class meshcoreDelaunay3D(Operation):
     """
     <Documentation short_help="Delaunay Refinement">Triangulate what closed loops of lines enclose, with no angle
     below a bound.</Documentation>
-    <InputProperty name="Input" label="Boundary" port_index="0" command="SetInputConnection">
+    <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
       <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
       <DataTypeDomain name="input_type" composite_data_supported="0">
         <DataType value="vtkDataSet"/>
@@ -1134,6 +1145,10 @@ class meshcoreDelaunay3D(Operation):
       <ArrayListDomain name="array_list" none_string="None" input_domain_name="arrays"><RequiredProperties><Property name="Input" function="Input"/></RequiredProperties></ArrayListDomain>
       <Documentation>Point array of sizes, of the background or else of the boundary; empty for none.</Documentation>
     </StringVectorProperty>
+    <StringVectorProperty name="BackgroundSizeArray" label="Background Size Array" command="SetBackgroundSizeArray" number_of_elements="1" default_values="None" panel_visibility="default">
+      <ArrayListDomain name="array_list" none_string="None" input_domain_name="arrays"><RequiredProperties><Property name="Background" function="Input"/></RequiredProperties></ArrayListDomain>
+      <Documentation>The same, of Background: it goes before one of the first input.</Documentation>
+    </StringVectorProperty>
     <DoubleVectorProperty name="Gradation" label="Gradation" command="SetGradation" number_of_elements="1" default_values="0" panel_visibility="default">
       <DoubleRangeDomain name="range" min="0"/>
       <Documentation>Largest growth of the size per unit length, such as 0.2; no limit by default; 0 leaves it
@@ -1157,6 +1172,7 @@ class meshcoreDelaunay3D(Operation):
       <Property name="Size"/>
       <Property name="MaxArea"/>
       <Property name="SizeArray"/>
+      <Property name="BackgroundSizeArray"/>
       <Property name="Gradation"/>
     </PropertyGroup>
     <PropertyGroup label="Advanced">
@@ -1196,6 +1212,9 @@ class meshcoreDelaunayRefinement(Operation):
     def SetCrossings(self, value):
         self.set("crossings", ('refuse', 'split')[value])
 
+    def SetBackgroundSizeArray(self, value):
+        self.prefer("size_array", "background", "" if value == NO_ARRAY else value)
+
 
 
 @smproxy.filter(name="meshcoreDiscretisedCurve", label="meshcore Discretised Curve", support_reload=False)
@@ -1204,7 +1223,7 @@ class meshcoreDelaunayRefinement(Operation):
     """
     <Documentation short_help="Discretised Curve">Divide a curve into lines as long as a size field asks, keeping
     its corners.</Documentation>
-    <InputProperty name="Input" label="Curve" port_index="0" command="SetInputConnection">
+    <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
       <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
       <DataTypeDomain name="input_type" composite_data_supported="0">
         <DataType value="vtkDataSet"/>
@@ -1230,6 +1249,10 @@ class meshcoreDelaunayRefinement(Operation):
       <ArrayListDomain name="array_list" none_string="None" input_domain_name="arrays"><RequiredProperties><Property name="Input" function="Input"/></RequiredProperties></ArrayListDomain>
       <Documentation>Point array of sizes, of the background or else of the curve; empty for none.</Documentation>
     </StringVectorProperty>
+    <StringVectorProperty name="BackgroundSizeArray" label="Background Size Array" command="SetBackgroundSizeArray" number_of_elements="1" default_values="None" panel_visibility="default">
+      <ArrayListDomain name="array_list" none_string="None" input_domain_name="arrays"><RequiredProperties><Property name="Background" function="Input"/></RequiredProperties></ArrayListDomain>
+      <Documentation>The same, of Background: it goes before one of the first input.</Documentation>
+    </StringVectorProperty>
     <DoubleVectorProperty name="Gradation" label="Gradation" command="SetGradation" number_of_elements="1" default_values="0" panel_visibility="default">
       <DoubleRangeDomain name="range" min="0"/>
       <Documentation>Largest growth of the size per unit length, such as 0.2; no limit by default; 0 leaves it
@@ -1246,6 +1269,7 @@ class meshcoreDelaunayRefinement(Operation):
     <PropertyGroup label="Parameters">
       <Property name="Size"/>
       <Property name="SizeArray"/>
+      <Property name="BackgroundSizeArray"/>
       <Property name="Gradation"/>
       <Property name="CornerAngle"/>
       <Property name="Shape"/>
@@ -1272,6 +1296,9 @@ class meshcoreDiscretisedCurve(Operation):
 
     def SetShape(self, value):
         self.set("shape", ('polyline', 'spline')[value])
+
+    def SetBackgroundSizeArray(self, value):
+        self.prefer("size_array", "background", "" if value == NO_ARRAY else value)
 
 
 

@@ -173,11 +173,22 @@ class Operation(Algorithm):
     operation = ""
     called = set()  # operations that have run in this process, and are compiled
 
+    def __init__(self):
+        super().__init__()
+        self.preferred = {}
+
+    def prefer(self, name, port, value):
+        """Keep the array of an optional input, which goes before one of the first input if both are there."""
+        if self.preferred.get((name, port), "") != value:
+            self.preferred[name, port] = value
+            self.Modified()
+
     def make(self, inputs):
         import meshcore
 
         operation = meshcore.operations()[self.operation]
         values = {name: value for name, value in self.values.items() if value is not BY_DEFAULT}
+        values |= {name: value for (name, port), value in self.preferred.items() if value and port in inputs}
         if self.operation not in self.called:
             self.progress(0.0, "compiling, which the first call alone needs")
         mesh, report = operation.function(**inputs, **values, progress=self.progress)

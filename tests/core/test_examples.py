@@ -9,6 +9,8 @@ EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 NUMBERS = {
     "airfoil_sections": 3,
     "airfoil_three_ways": None,  # a triangulation's count is its maker's affair, not this test's
+    "background_grid_and_sources": None,
+    "background_of_an_earlier_computation": None,
     "chapter_4_h_refinement": None,
     "circumcentre_refinement": None,
     "figure_01_structured_and_unstructured": 24 * 12,

@@ -32,7 +32,7 @@ def test_without_layers(ms, name):
 @pytest.mark.parametrize("name", NEED_A_LAYER)
 def test_a_layer_of_points_alone(ms, name):
     ms.add_mesh(pymeshlab.Mesh(vertex_matrix=np.eye(3)), "cloud")
-    refused(ms, "neither edges nor faces|no cells|no faces", name)
+    refused(ms, "neither edges nor faces|no cells|no faces|needs at least four different points", name)
 
 
 @pytest.mark.parametrize("name", meshlab_filters.filter_list())

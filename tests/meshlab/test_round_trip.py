@@ -47,20 +47,23 @@ def test_round_trip(ms, identifier):
     np.testing.assert_array_equal(true.points, expected.points)
     assert {k: c.tolist() for k, c in true.cells.items()} == {k: c.tolist() for k, c in expected.cells.items()}
 
-    names = ("cell", *expected.cell_data, *expected.point_data)
-    cells = expected.cell_data.get("cell", np.arange(expected.n_cells))
+    shown = expected.boundary if expected.dimension == 3 else expected
+    names = ("cell", *shown.cell_data, *shown.point_data) if shown.dimension > 1 else tuple(shown.point_data)
+    cells = shown.cell_data.get("cell", np.arange(shown.n_cells))
     again = meshlab_filters.to_mesh(ms.current_mesh(), names)
-    np.testing.assert_array_equal(again.points, expected.points)
-    assert set(again.cells) == set(expected.cells)
-    for kind, cells in expected.cells.items():
-        same_cells(again.get(kind), cells)
+    np.testing.assert_array_equal(again.points, shown.points)
+    assert set(again.cells) == set(shown.cells)
+    for kind, nodes in shown.cells.items():
+        same_cells(again.get(kind), nodes)
+    if shown.dimension == 1:
+        return  # MeshLab has no data on edges
     np.testing.assert_array_equal(again.cell_data["cell"], cells)
-    for name, values in expected.cell_data.items():
+    for name, values in shown.cell_data.items():
         np.testing.assert_array_equal(again.cell_data[name], values)
     for name, values in expected.point_data.items():
         np.testing.assert_array_equal(again.point_data[name], values)
     whole = isinstance(direct.mesh, PolyhedralMesh)
-    scalar = direct.mesh.volumes[cells] if whole else quality.measure(expected, "scaled_jacobian")
+    scalar = direct.mesh.volumes[cells] if whole else quality.measure(expected, "scaled_jacobian")[cells]
     np.testing.assert_array_equal(again.cell_data["face_scalar"], scalar)
 
 
@@ -176,8 +179,11 @@ def test_meshlab_filters_run_on_the_layers_of_every_operation(ms):
     for identifier in EVERY:
         keywords, _, _ = model_call(ms, identifier)
         getattr(meshlab_filters, identifier)(ms, **keywords)
+        layer = ms.current_mesh()
+        if not layer.face_number():
+            continue
         ms.compute_selection_by_condition_per_face(condselect="cell < 3")
-        assert ms.current_mesh().selected_face_number() in (3, 6)
+        assert layer.selected_face_number() == (layer.face_custom_scalar_attribute_array("cell") < 3).sum()
         ms.compute_scalar_by_function_per_face(q="cell * 2")
         assert ms.current_mesh().face_scalar_array().max() > 2
 

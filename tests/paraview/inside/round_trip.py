@@ -48,8 +48,8 @@ def meshcore_value(param, value):
 
 
 def labels_of(operation):
-    """Names of the inputs in a script: Input if there is one, else by their labels."""
-    ports = list(operation.inputs)
+    """Names of the inputs in a script: Input if there is one beside an optional background, else by their labels."""
+    ports = [name for name in operation.inputs if name != "background"]
     return ["Input"] if len(ports) == 1 else [camel(name) for name in ports]
 
 
