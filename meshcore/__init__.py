@@ -19,6 +19,8 @@ from .unstructured import (
     delaunay_2d,
     delaunay_3d,
     delaunay_refinement,
+    voronoi_2d,
+    voronoi_3d,
 )
 
 __all__ = [
@@ -53,4 +55,6 @@ __all__ = [
     "refined",
     "silent",
     "transfinite",
+    "voronoi_2d",
+    "voronoi_3d",
 ]

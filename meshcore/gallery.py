@@ -187,6 +187,19 @@ def triangulated_square(n: int = 4) -> Mesh:
     return Mesh(np.column_stack([x, y]), {"triangle": np.concatenate([lower, upper])}, point_data={"front": front})
 
 
+def sunflower(n: int = 60) -> Mesh:
+    """``n`` points in the unit disk as the seeds of a sunflower stand, turned by the golden angle, as "vertex" cells.
+
+    Examples
+    --------
+    >>> sunflower(50)
+    Mesh(50 points, 50 vertex)
+    """
+    k = np.arange(n)
+    turn, radius = np.pi * (3 - np.sqrt(5)) * k, np.sqrt((k + 0.5) / n)
+    return Mesh(np.column_stack([radius * np.cos(turn), radius * np.sin(turn)]), {"vertex": k[:, None]})
+
+
 def cloud_in_a_ball(n: int = 200) -> Mesh:
     """``n`` points spread evenly, but not regularly, in the unit ball, as "vertex" cells.
 
@@ -224,6 +237,8 @@ def arguments(identifier: str) -> tuple[tuple[Any, ...], dict[str, Any]]:
         "discretised": ((square_with_hole(),), {"size": 0.08, "gradation": 0.5}),
         "delaunay_2d": ((square_with_hole(),), {}),
         "delaunay_refinement": ((square_with_hole(),), {"min_angle": 30.0}),
+        "voronoi_2d": ((sunflower(), circle(24, radius=1.1)), {}),
+        "voronoi_3d": ((cloud_in_a_ball(60),), {}),
         "refined": ((triangulated_square(),), {"indicator": "front", "levels": 2}),
     }
     if identifier not in calls:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 FACE, EDGE, MARK = "#dde7f0", "#1d3a57", "#e4572e"
 BLOCKS = ("#dde7f0", "#f4e3cf", "#dcefd9", "#efdcea", "#f5f0c8", "#d5eeee")
+OVER = ("#2f6fb3", "#c8371b", "#1c1c1c", "#3f8f3a")
 AWAY = (0.4, -1.0, 0.3)
 """Of volumes the half on this side of the middle is taken away."""
 SUPERSAMPLING = 2
@@ -41,6 +42,7 @@ def picture(
     edges: bool = True,
     title: str = "",
     marked: Sequence[int] = (),
+    over: Sequence[Mesh] = (),
 ) -> Path:
     """Draw a mesh into a PNG file.
 
@@ -65,6 +67,8 @@ def picture(
         Text above the picture.
     marked : sequence of int
         Cells drawn in red, such as those of `GenerationFailed`.
+    over : sequence of Mesh
+        Curves ("line" cells) and points ("vertex" cells) drawn above the mesh, each in a colour of its own.
 
     Returns
     -------
@@ -106,6 +110,8 @@ def picture(
             _add_scale(plotter, actor, scalars)
         if len(marked):
             _add_marked(plotter, parts[0], marked)
+        for number, more in enumerate(over):
+            _add_over(plotter, more, parts, OVER[number % len(OVER)])
         _look(plotter, parts, box, window[0] / window[1] * (1.0 if coloured is None else 1 - SCALE))
         _label(plotter, title)
         return _save(plotter, path)
@@ -372,6 +378,16 @@ def _add_marked(plotter: Any, part: Mesh, marked: Sequence[int]) -> None:
     lift = np.array([0, 0, 1e-4 * part.diagonal]) if part.is_planar else 0.0
     data = to_pyvista(replace(some.with_points(some.points + lift), point_data={}, cell_data={}))
     plotter.add_mesh(data, color=MARK, show_edges=True, edge_color=EDGE, line_width=SUPERSAMPLING, lighting=False)
+
+
+def _add_over(plotter: Any, more: Mesh, parts: list[Mesh], colour: str) -> None:
+    """Curves and points a little above the planar mesh that they belong to."""
+    if not isinstance(more, Mesh) or more.dimension > 1 or not more.n_cells:
+        raise InvalidInput(f"needs meshes of line or vertex cells, got {more!r}", parameter="over")
+    planar = more.is_planar and all(part.is_planar for part in parts)
+    lift = np.array([0, 0, 2e-4 * max(part.diagonal for part in parts)]) if planar else 0.0
+    size = {"line_width": 2 * SUPERSAMPLING, "point_size": 7 * SUPERSAMPLING, "render_points_as_spheres": True}
+    plotter.add_mesh(to_pyvista(Mesh(more.points + lift, more.cells)), color=colour, lighting=False, **size)
 
 
 def _look(plotter: Any, parts: list[Mesh], box: np.ndarray | None, aspect: float) -> None:

@@ -1302,6 +1302,114 @@ class meshcoreDiscretisedCurve(Operation):
 
 
 
+@smproxy.filter(name="meshcoreVoronoiCells2D", label="meshcore Voronoi Cells 2D", support_reload=False)
+@smhint.xml('<ShowInMenu category="meshcore"/>')
+@smproperty.xml(
+    """
+    <Documentation short_help="Voronoi Cells 2D">Divide the plane among points: each cell is what is nearer to its
+    site than to any other.</Documentation>
+    <InputProperty name="Input" label="Points" port_index="0" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Sites: points in the plane z = 0; their cells do not matter.</Documentation>
+    </InputProperty>
+    <InputProperty name="Boundary" label="Boundary" port_index="1" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Convex closed loop of lines that the cells fill; without it a box.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
+    <DoubleVectorProperty name="Margin" label="Margin" command="SetMargin" number_of_elements="1" default_values="-1" panel_visibility="default">
+      <BoundsDomain name="range" mode="scaled_extent" scale_factor="0.1"><RequiredProperties><Property name="Input" function="Input"/></RequiredProperties></BoundsDomain>
+      <Documentation>Distance of the box from the points' bounding box; -1 takes 10% of the diagonal of the input's
+      bounding box.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="Box" label="Box" command="SetBox" number_of_elements="4" default_values="0.0 0.0 0.0 0.0" panel_visibility="advanced">
+      <DoubleRangeDomain name="range"/>
+      <Documentation>Lower and upper corner of the box (x y x y); all zero takes the margin.</Documentation>
+    </DoubleVectorProperty>
+    <PropertyGroup label="Parameters">
+      <Property name="Margin"/>
+    </PropertyGroup>
+    <PropertyGroup label="Advanced">
+      <Property name="Box"/>
+    </PropertyGroup>
+    """
+)
+class meshcoreVoronoiCells2D(Operation):
+    operation = "voronoi_2d"
+    label = "meshcore Voronoi Cells 2D"
+    ports = (("points", "mesh", False), ("boundary", "lines", True))
+    output = "vtkUnstructuredGrid"
+
+    def SetMargin(self, value):
+        self.set("margin", value if value >= 0 else BY_DEFAULT)
+
+    def SetBox(self, *values):
+        self.set("box", *values)
+
+
+
+@smproxy.filter(name="meshcoreVoronoiCells3D", label="meshcore Voronoi Cells 3D", support_reload=False)
+@smhint.xml('<ShowInMenu category="meshcore"/>')
+@smproperty.xml(
+    """
+    <Documentation short_help="Voronoi Cells 3D">Divide space among points: each cell is what is nearer to its site
+    than to any other.</Documentation>
+    <InputProperty name="Input" label="Points" port_index="0" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Sites: points in space; their cells do not matter.</Documentation>
+    </InputProperty>
+    <InputProperty name="Boundary" label="Boundary" port_index="1" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Convex closed surface that the cells fill; without it a box.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
+    <DoubleVectorProperty name="Margin" label="Margin" command="SetMargin" number_of_elements="1" default_values="-1" panel_visibility="default">
+      <BoundsDomain name="range" mode="scaled_extent" scale_factor="0.1"><RequiredProperties><Property name="Input" function="Input"/></RequiredProperties></BoundsDomain>
+      <Documentation>Distance of the box from the points' bounding box; -1 takes 10% of the diagonal of the input's
+      bounding box.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="Box" label="Box" command="SetBox" number_of_elements="6" default_values="0.0 0.0 0.0 0.0 0.0 0.0" panel_visibility="advanced">
+      <DoubleRangeDomain name="range"/>
+      <Documentation>Lower and upper corner of the box (x y z x y z); all zero takes the margin.</Documentation>
+    </DoubleVectorProperty>
+    <PropertyGroup label="Parameters">
+      <Property name="Margin"/>
+    </PropertyGroup>
+    <PropertyGroup label="Advanced">
+      <Property name="Box"/>
+    </PropertyGroup>
+    """
+)
+class meshcoreVoronoiCells3D(Operation):
+    operation = "voronoi_3d"
+    label = "meshcore Voronoi Cells 3D"
+    ports = (("points", "mesh", False), ("boundary", "mesh", True))
+    output = "vtkUnstructuredGrid"
+
+    def SetMargin(self, value):
+        self.set("margin", value if value >= 0 else BY_DEFAULT)
+
+    def SetBox(self, *values):
+        self.set("box", *values)
+
+
+
 @smproxy.filter(name="meshcoreAdaptiveRefinement", label="meshcore Adaptive Refinement", support_reload=False)
 @smhint.xml('<ShowInMenu category="meshcore"/>')
 @smproperty.xml(

@@ -434,3 +434,38 @@ def limited(edges, lengths, sizes, gradation):
                     sizes[q] = sizes[p] + gradation * length
                     changed = True
     return np.array(sizes)
+
+
+def pairs(items: list) -> list[tuple]:
+    """All pairs of different items."""
+    return list(itertools.combinations(items, 2))
+
+
+def voronoi_areas(sites: list, box: tuple) -> list[Fraction]:
+    """The exact area of each site's cell in a box: the box cut by the bisector to every other site."""
+    (x0, y0), (x1, y1) = [[Fraction(x) for x in corner] for corner in box]
+    places = [(Fraction(x), Fraction(y)) for x, y in sites]
+    areas = []
+    for a in places:
+        cell = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
+        for b in places:
+            if a != b:
+                # Nearer to a: 2 (b - a) . p <= |b|^2 - |a|^2.
+                n = (2 * (b[0] - a[0]), 2 * (b[1] - a[1]))
+                limit = b[0] ** 2 + b[1] ** 2 - a[0] ** 2 - a[1] ** 2
+                cell = _cut_by_line(cell, n, limit)
+        turns = zip(cell, cell[1:] + cell[:1], strict=True)
+        areas.append(sum((p[0] * q[1] - p[1] * q[0] for p, q in turns), Fraction(0)) / 2)
+    return areas
+
+
+def _cut_by_line(cell: list, n: tuple, limit: Fraction) -> list:
+    kept = []
+    for p, q in zip(cell, cell[1:] + cell[:1], strict=True):
+        hp, hq = (n[0] * c[0] + n[1] * c[1] - limit for c in (p, q))
+        if hp <= 0:
+            kept.append(p)
+        if hp * hq < 0:
+            t = hp / (hp - hq)
+            kept.append((p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])))
+    return kept

@@ -1,4 +1,4 @@
-"""Unstructured meshes: Delaunay triangulation and refinement."""
+"""Unstructured meshes: Delaunay triangulation and refinement, Voronoi diagrams."""
 
 from .constrained_delaunay import constrained_delaunay
 from .delaunay import delaunay_2d
@@ -6,6 +6,7 @@ from .delaunay_3d import delaunay_3d
 from .refinement import delaunay_refinement
 from .tetrahedralization import Tetrahedralization
 from .triangulation import Triangulation
+from .voronoi import voronoi_2d, voronoi_3d
 
 __all__ = [
     "Tetrahedralization",
@@ -14,4 +15,6 @@ __all__ = [
     "delaunay_2d",
     "delaunay_3d",
     "delaunay_refinement",
+    "voronoi_2d",
+    "voronoi_3d",
 ]

@@ -19,7 +19,10 @@ NUMBERS = {
     "figure_06_overspill": None,
     "figure_11_o_grid": None,
     "figure_23_empty_circumcircles": None,
+    "figure_24_sliver": 1,
     "figure_25_degenerate_points": 800,
+    "figure_26_octahedron": 4,
+    "figure_27_bowyer_watson": None,
     "figure_29_constrained_delaunay": 1,
     "surface_between_four_curves": 32 * 24,
 }

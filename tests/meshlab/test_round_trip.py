@@ -18,7 +18,11 @@ WITH_INPUT = tuple(name for name, operation in operations().items() if operation
 
 def as_mesh(result):
     if isinstance(result, PolyhedralMesh):
-        return (result.boundary if result.dimension == 3 else result).to_mesh()
+        surface = result.boundary if result.dimension == 3 else result.with_cell_data(cell=np.arange(result.n_cells))
+        triangles = surface.to_mesh()
+        cell = surface.cell_data["cell"][triangles.cell_data["cell"]]
+        data = {name: values[cell] for name, values in result.cell_data.items()}
+        return Mesh(triangles.points, triangles.cells, cell_data={**data, "cell": cell})
     return result.to_mesh() if isinstance(result, StructuredGrid) else result
 
 
