@@ -243,17 +243,18 @@ def is_installed(package: str) -> bool:
 
 
 class Target(NamedTuple):
-    """What the project asks of a number: at least (or at most) the one, better the other."""
+    """What the project asks of a number: at least (or at most) the one, better the other, if there is another."""
 
     at_least: float
-    aim: float
+    aim: float | None = None
 
     def verdict(self, value: float) -> str:
         """``3.8 (at least 3.5 met, aim 5 MISSED)``; where the aim is the smaller number, less is better."""
-        less = self.aim < self.at_least
+        less = self.aim is not None and self.aim < self.at_least
         words = [
             f"{name} {limit:g} {'met' if (value <= limit if less else value >= limit) else 'MISSED'}"
             for name, limit in (("at most" if less else "at least", self.at_least), ("aim", self.aim))
+            if limit is not None
         ]
         return f"**{value:.3g}** ({', '.join(words)})"
 

@@ -24,7 +24,7 @@ import meshcore
 from tests import point_sets
 
 RELATIVE_TO_UNIFORM = Target(3, 1.5)
-AGAINST_PEER = Target(1, 1)
+AGAINST_PEER = Target(1)
 SETS = {
     2: {
         "integer_grid": 1_000_000, "shuffled_grid": 1_000_000, "linspace_grid": 1_000_000, "rotated_grid": 1_000_000,
