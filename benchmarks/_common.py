@@ -245,15 +245,15 @@ def is_installed(package: str) -> bool:
 class Target(NamedTuple):
     """What the project asks of a number: at least (or at most) the one, better the other, if there is another."""
 
-    at_least: float
+    limit: float
     aim: float | None = None
+    at_most: bool = False
 
     def verdict(self, value: float) -> str:
-        """``3.8 (at least 3.5 met, aim 5 MISSED)``; where the aim is the smaller number, less is better."""
-        less = self.aim is not None and self.aim < self.at_least
+        """``3.8 (at least 3.5 met, aim 5 MISSED)``."""
         words = [
-            f"{name} {limit:g} {'met' if (value <= limit if less else value >= limit) else 'MISSED'}"
-            for name, limit in (("at most" if less else "at least", self.at_least), ("aim", self.aim))
+            f"{name} {limit:g} {'met' if (value <= limit if self.at_most else value >= limit) else 'MISSED'}"
+            for name, limit in (("at most" if self.at_most else "at least", self.limit), ("aim", self.aim))
             if limit is not None
         ]
         return f"**{value:.3g}** ({', '.join(words)})"

@@ -23,7 +23,7 @@ from _common import (
 import meshcore
 from tests import point_sets
 
-RELATIVE_TO_UNIFORM = Target(3, 1.5)
+RELATIVE_TO_UNIFORM = Target(3, 1.5, at_most=True)
 AGAINST_PEER = Target(1)
 SETS = {
     2: {
