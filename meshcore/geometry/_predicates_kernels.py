@@ -18,6 +18,8 @@ M. Joldes, J.-M. Muller, V. Popescu, "Tight and rigorous error bounds for basic 
 arithmetic", ACM Trans. Math. Softw. 44 (2017).
 """
 
+import math
+
 import numpy as np
 
 from .._numba import kernel
@@ -378,6 +380,239 @@ def quantum(numbers, largest, smallest):
     return 1.0 / inverse
 
 
+# ---- stage B without the tails of differences: points near each other have exact differences (Sterbenz)
+
+
+@kernel
+def _sum(a, a_low, b, b_low):
+    """Sum of two double-doubles to 3 u^2 (|a| + |b|): two roundings of at most u (u |a| + u |b|) in the low parts."""
+    high, error = two_sum(a, b)
+    return fast_two_sum(high, error + (a_low + b_low))
+
+
+@kernel
+def _times(a, a_low, b):
+    """Product of a double-double and a double to 3 u^2 (Joldes et al., algorithm 7)."""
+    high, error = two_product(a, b)
+    return fast_two_sum(high, error + a_low * b)
+
+
+@kernel
+def _product(a, a_low, b, b_low):
+    """Product of two double-doubles to 7 u^2 (Joldes et al., algorithm 10)."""
+    high, error = two_product(a, b)
+    return fast_two_sum(high, error + (a * b_low + a_low * b))
+
+
+@kernel
+def _cross(a, b, c, d):
+    """``a b - c d`` to 3 u^2."""
+    one, one_low = two_product(a, b)
+    other, other_low = two_product(c, d)
+    return _sum(one, one_low, -other, -other_low)
+
+
+@kernel
+def _square(x, y, z):
+    """``x^2 + y^2 + z^2`` to 6 u^2."""
+    one, one_low = two_product(x, x)
+    other, other_low = two_product(y, y)
+    one, one_low = _sum(one, one_low, other, other_low)
+    other, other_low = two_product(z, z)
+    return _sum(one, one_low, other, other_low)
+
+
+@kernel
+def _dot(x, y, z, a, a_low, b, b_low, c, c_low):
+    """``a x + b y + c z`` for double-doubles a, b, c."""
+    one, one_low = _times(a, a_low, x)
+    other, other_low = _times(b, b_low, y)
+    one, one_low = _sum(one, one_low, other, other_low)
+    other, other_low = _times(c, c_low, z)
+    return _sum(one, one_low, other, other_low)
+
+
+@kernel
+def _orient3d_of_edges(ax, ay, az, bx, by, bz, cx, cy, cz):
+    """The determinant of three exact differences, to about 12 u^2 of its permanent."""
+    bc, bc_low = _cross(bx, cy, by, cx)
+    ca, ca_low = _cross(cx, ay, cy, ax)
+    ab, ab_low = _cross(ax, by, ay, bx)
+    determinant, _ = _dot(az, bz, cz, bc, bc_low, ca, ca_low, ab, ab_low)
+    return determinant
+
+
+@kernel
+def _insphere_of_edges(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
+    """The determinant of four exact differences and their squares, to about 40 u^2 of its permanent."""
+    aw, aw_low = _square(ax, ay, az)
+    bw, bw_low = _square(bx, by, bz)
+    cw, cw_low = _square(cx, cy, cz)
+    dw, dw_low = _square(dx, dy, dz)
+    ab, ab_low = _cross(ax, by, ay, bx)
+    bc, bc_low = _cross(bx, cy, by, cx)
+    ca, ca_low = _cross(cx, ay, cy, ax)
+    # Minors of the columns z and lift.
+    abw, abw_low = _sum(*_times(bw, bw_low, az), *_times(aw, aw_low, -bz))
+    bcw, bcw_low = _sum(*_times(cw, cw_low, bz), *_times(bw, bw_low, -cz))
+    caw, caw_low = _sum(*_times(aw, aw_low, cz), *_times(cw, cw_low, -az))
+    # 3 x 3 minors, which are the cofactors of d.
+    x, x_low = _dot(ay, by, cy, bcw, bcw_low, caw, caw_low, abw, abw_low)
+    y, y_low = _dot(ax, bx, cx, bcw, bcw_low, caw, caw_low, abw, abw_low)
+    w, w_low = _dot(az, bz, cz, bc, bc_low, ca, ca_low, ab, ab_low)
+    z, z_low = _sum(*_product(aw, aw_low, bc, bc_low), *_product(bw, bw_low, ca, ca_low))
+    z, z_low = _sum(z, z_low, *_product(cw, cw_low, ab, ab_low))
+    determinant, low = _dot(-dx, dy, -dz, x, x_low, y, y_low, z, z_low)
+    determinant, low = _sum(determinant, low, *_product(dw, dw_low, w, w_low))
+    return determinant
+
+
+# ---- the proof that a determinant of exact differences is zero, by residues: on grids it often is
+#
+# Differences that are multiples of one power of two become integers below 2^56. If stage B left a determinant of degree
+# d and P terms below its bound, the integer determinant is below 2^-98 P 2^(56 d): 2^189 for insphere (P = 72, d = 5),
+# 2^73 for orient3d (P = 6, d = 3). It is zero if its residues are, to moduli without a common factor whose product is
+# larger: 2^64, which is what machine integers do by themselves, and 2^k - 1 for k = 31, 30, 29, 23, 19 (together
+# above 2^195; gcd(2^i - 1, 2^j - 1) = 2^gcd(i, j) - 1), where 2^k = 1: the upper bits are added to the lower k.
+
+_INTEGER_BITS = 56
+_MODULI = np.array([31, 30, 29, 23, 19], np.uint64)
+_U = np.uint64
+_ONE = np.uint64(1)
+
+
+@kernel
+def _folded(x, k):
+    """x modulo 2^k - 1, not quite reduced: at most 2^k + 2 for x below 2^(2 k + 2)."""
+    x = (x & ((_ONE << k) - _ONE)) + (x >> k)
+    return (x & ((_ONE << k) - _ONE)) + (x >> k)
+
+
+@kernel
+def _residue(x, k):
+    """The residue of an integer below 2^57 in magnitude."""
+    modulus = (_ONE << k) - _ONE
+    return _folded(_folded(_U(x + np.int64(modulus << (_U(58) - k))), k), k)
+
+
+@kernel
+def _cross_residue(a, b, c, d, k):
+    """``a b - c d``; the multiple of the modulus that is added keeps it positive."""
+    modulus = (_ONE << k) - _ONE
+    return _folded(_folded(a * b, k) + (_U(4) * modulus - _folded(c * d, k)), k)
+
+
+@kernel
+def _dot_residue(x, y, z, a, b, c, k):
+    """``a x + b y + c z``."""
+    return _folded(_folded(a * x, k) + _folded(b * y, k) + _folded(c * z, k), k)
+
+
+@kernel
+def _determinant3(ax, ay, az, bx, by, bz, cx, cy, cz):
+    """Modulo 2^64, for integers."""
+    return az * (bx * cy - by * cx) + bz * (cx * ay - cy * ax) + cz * (ax * by - ay * bx)
+
+
+@kernel
+def _determinant3_residue(ax, ay, az, bx, by, bz, cx, cy, cz, k):
+    """Modulo 2^k - 1, for residues."""
+    bc = _cross_residue(bx, cy, by, cx, k)
+    ca = _cross_residue(cx, ay, cy, ax, k)
+    ab = _cross_residue(ax, by, ay, bx, k)
+    return _dot_residue(az, bz, cz, bc, ca, ab, k)
+
+
+@kernel
+def _square_times(x, y, z, factor, k):
+    """``(x^2 + y^2 + z^2) factor``."""
+    return _folded(_dot_residue(x, y, z, x, y, z, k) * factor, k)
+
+
+@kernel
+def _as_integer(x, scale):
+    """A difference as an integer, and 0 if it is one, else 1."""
+    scaled = x * scale
+    return np.int64(scaled), 0 if scaled == np.floor(scaled) else 1
+
+
+@kernel
+def _integer_scale(largest):
+    """The power of two that brings the largest difference below 2^56."""
+    _, exponent = math.frexp(largest)
+    return math.ldexp(1.0, _INTEGER_BITS - exponent)
+
+
+@kernel
+def _orient3d_is_zero(ax, ay, az, bx, by, bz, cx, cy, cz):
+    """Whether a determinant of exact differences that stage B could not tell from zero is zero; False if unknown."""
+    largest = max(max(abs(ax), abs(ay), abs(az)), max(abs(bx), abs(by), abs(bz)), max(abs(cx), abs(cy), abs(cz)))
+    scale = _integer_scale(largest)
+    ax, rest_1 = _as_integer(ax, scale)
+    ay, rest_2 = _as_integer(ay, scale)
+    az, rest_3 = _as_integer(az, scale)
+    bx, rest_4 = _as_integer(bx, scale)
+    by, rest_5 = _as_integer(by, scale)
+    bz, rest_6 = _as_integer(bz, scale)
+    cx, rest_7 = _as_integer(cx, scale)
+    cy, rest_8 = _as_integer(cy, scale)
+    cz, rest_9 = _as_integer(cz, scale)
+    if rest_1 + rest_2 + rest_3 + rest_4 + rest_5 + rest_6 + rest_7 + rest_8 + rest_9 > 0:
+        return False
+    if _determinant3(ax, ay, az, bx, by, bz, cx, cy, cz) != 0:
+        return False
+    k = _MODULI[0]
+    found = _determinant3_residue(
+        _residue(ax, k), _residue(ay, k), _residue(az, k), _residue(bx, k), _residue(by, k), _residue(bz, k),
+        _residue(cx, k), _residue(cy, k), _residue(cz, k), k,
+    )  # fmt: skip
+    return found % ((_ONE << k) - _ONE) == 0
+
+
+@kernel
+def _insphere_is_zero(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, largest):
+    """The same for a determinant with squares."""
+    scale = _integer_scale(largest)
+    ax, rest_1 = _as_integer(ax, scale)
+    ay, rest_2 = _as_integer(ay, scale)
+    az, rest_3 = _as_integer(az, scale)
+    bx, rest_4 = _as_integer(bx, scale)
+    by, rest_5 = _as_integer(by, scale)
+    bz, rest_6 = _as_integer(bz, scale)
+    cx, rest_7 = _as_integer(cx, scale)
+    cy, rest_8 = _as_integer(cy, scale)
+    cz, rest_9 = _as_integer(cz, scale)
+    dx, rest_10 = _as_integer(dx, scale)
+    dy, rest_11 = _as_integer(dy, scale)
+    dz, rest_12 = _as_integer(dz, scale)
+    if rest_1 + rest_2 + rest_3 + rest_4 + rest_5 + rest_6 > 0:
+        return False
+    if rest_7 + rest_8 + rest_9 + rest_10 + rest_11 + rest_12 > 0:
+        return False
+    determinant = (
+        (dx * dx + dy * dy + dz * dz) * _determinant3(ax, ay, az, bx, by, bz, cx, cy, cz)
+        - (cx * cx + cy * cy + cz * cz) * _determinant3(ax, ay, az, bx, by, bz, dx, dy, dz)
+        + (bx * bx + by * by + bz * bz) * _determinant3(ax, ay, az, cx, cy, cz, dx, dy, dz)
+        - (ax * ax + ay * ay + az * az) * _determinant3(bx, by, bz, cx, cy, cz, dx, dy, dz)
+    )
+    if determinant != 0:
+        return False
+    for k in _MODULI:
+        modulus = (_ONE << k) - _ONE
+        px, py, pz = _residue(ax, k), _residue(ay, k), _residue(az, k)
+        qx, qy, qz = _residue(bx, k), _residue(by, k), _residue(bz, k)
+        rx, ry, rz = _residue(cx, k), _residue(cy, k), _residue(cz, k)
+        sx, sy, sz = _residue(dx, k), _residue(dy, k), _residue(dz, k)
+        without_a = _square_times(px, py, pz, _determinant3_residue(qx, qy, qz, rx, ry, rz, sx, sy, sz, k), k)
+        without_b = _square_times(qx, qy, qz, _determinant3_residue(px, py, pz, rx, ry, rz, sx, sy, sz, k), k)
+        without_c = _square_times(rx, ry, rz, _determinant3_residue(px, py, pz, qx, qy, qz, sx, sy, sz, k), k)
+        without_d = _square_times(sx, sy, sz, _determinant3_residue(px, py, pz, qx, qy, qz, rx, ry, rz, k), k)
+        found = without_d + without_b + (_U(8) * modulus - without_a - without_c)
+        if found % modulus != 0:
+            return False
+    return True
+
+
 # ---- the predicates
 
 
@@ -457,7 +692,25 @@ def incircle(ax, ay, bx, by, cx, cy, dx, dy, work):
 
 @kernel
 def orient3d_exact(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, work):
-    """`orient3d` by stages B and C."""
+    """`orient3d` where stage A fails: by the quantum, with exact differences, or by stages B and C."""
+    adx, ady, adz = ax - dx, ay - dy, az - dz
+    bdx, bdy, bdz = bx - dx, by - dy, bz - dz
+    cdx, cdy, cdz = cx - dx, cy - dy, cz - dz
+    bc, cb = bdx * cdy, cdx * bdy
+    ca, ac = cdx * ady, adx * cdy
+    ab, ba = adx * bdy, bdx * ady
+    permanent = (abs(bc) + abs(cb)) * abs(adz) + (abs(ca) + abs(ac)) * abs(bdz) + (abs(ab) + abs(ba)) * abs(cdz)
+    if permanent <= work[EXACT_ORIENT3D]:
+        return -(adz * (bc - cb) + bdz * (ca - ac) + cdz * (ab - ba))
+    tails = max(abs(two_sum(ax, -dx)[1]), abs(two_sum(ay, -dy)[1]), abs(two_sum(az, -dz)[1]))
+    tails = max(tails, abs(two_sum(bx, -dx)[1]), abs(two_sum(by, -dy)[1]), abs(two_sum(bz, -dz)[1]))
+    tails = max(tails, abs(two_sum(cx, -dx)[1]), abs(two_sum(cy, -dy)[1]), abs(two_sum(cz, -dz)[1]))
+    if tails == 0.0:
+        determinant = _orient3d_of_edges(adx, ady, adz, bdx, bdy, bdz, cdx, cdy, cdz)
+        if abs(determinant) > DOUBLE_DOUBLE_BOUND * permanent:
+            return -determinant
+        if _orient3d_is_zero(adx, ady, adz, bdx, bdy, bdz, cdx, cdy, cdz):
+            return 0.0
     _set_entry(work, 0, 0, ax, dx)
     _set_entry(work, 0, 1, ay, dy)
     _set_entry(work, 0, 2, az, dz)
@@ -491,7 +744,24 @@ def orient3d(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, work):
 
 @kernel
 def insphere_exact(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, ex, ey, ez, work):
-    """`insphere` by stages B and C."""
+    """`insphere` where stage A fails: with exact differences, or by stages B and C."""
+    aex, aey, aez = ax - ex, ay - ey, az - ez
+    bex, bey, bez = bx - ex, by - ey, bz - ez
+    cex, cey, cez = cx - ex, cy - ey, cz - ez
+    dex, dey, dez = dx - ex, dy - ey, dz - ez
+    tails = max(abs(two_sum(ax, -ex)[1]), abs(two_sum(ay, -ey)[1]), abs(two_sum(az, -ez)[1]))
+    tails = max(tails, abs(two_sum(bx, -ex)[1]), abs(two_sum(by, -ey)[1]), abs(two_sum(bz, -ez)[1]))
+    tails = max(tails, abs(two_sum(cx, -ex)[1]), abs(two_sum(cy, -ey)[1]), abs(two_sum(cz, -ez)[1]))
+    tails = max(tails, abs(two_sum(dx, -ex)[1]), abs(two_sum(dy, -ey)[1]), abs(two_sum(dz, -ez)[1]))
+    if tails == 0.0:
+        largest = max(max(abs(aex), abs(aey), abs(aez)), max(abs(bex), abs(bey), abs(bez)))
+        largest = max(largest, max(abs(cex), abs(cey), abs(cez)), max(abs(dex), abs(dey), abs(dez)))
+        determinant = _insphere_of_edges(aex, aey, aez, bex, bey, bez, cex, cey, cez, dex, dey, dez)
+        # The permanent has 24 terms with three squares each.
+        if abs(determinant) > DOUBLE_DOUBLE_BOUND * 72.0 * (largest * largest) * (largest * largest) * largest:
+            return -determinant
+        if _insphere_is_zero(aex, aey, aez, bex, bey, bez, cex, cey, cez, dex, dey, dez, largest):
+            return 0.0
     _set_entry(work, 0, 0, ax, ex)
     _set_entry(work, 0, 1, ay, ey)
     _set_entry(work, 0, 2, az, ez)

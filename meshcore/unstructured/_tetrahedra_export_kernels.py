@@ -1,9 +1,9 @@
 """Kernels that write tetrahedra in a canonical order, which depends on the set of cells only, in linear time.
 
-A cell's corners are ranked by their place in the order of insertion. The corner of highest rank comes first, of the
+A cell's corners are ranked by their place along the Hilbert curve. The corner of highest rank comes first, of the
 others the lowest, and the cell stays positive. Cells are sorted by their first corner, as buckets, then by the second
-and third: two cells never share an oriented facet, so this is an order. Cells made together have their newest vertex
-in common and lie together in memory, which is why the buckets go by the highest rank.
+and third: two cells never share an oriented facet, so this is an order. Most cells are made along the curve, too, so
+that the writes to the buckets stay near each other.
 """
 
 import numpy as np

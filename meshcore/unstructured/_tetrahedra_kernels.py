@@ -63,7 +63,7 @@ from ..geometry._predicates_kernels import (
     EXACT_INSPHERE,
     EXACT_ORIENT3D,
     ORIENT3D_BOUND,
-    insphere,
+    insphere_exact,
     orient2d,
     orient3d_exact,
 )
@@ -213,7 +213,7 @@ def conflict(points, rows, cells, planes, t, q, work, limits):
         if _corners_of_a_box(five):
             exact_side = np.inf
         else:
-            value = -insphere(
+            value = -insphere_exact(
                 five[0], five[1], five[2], five[3], five[4], five[5], five[6], five[7], five[8], five[9], five[10],
                 five[11], five[12], five[13], five[14], work,
             )  # fmt: skip
@@ -310,21 +310,24 @@ def first_cell(points, n, work, corners):
 
 
 @kernel
-def set_first_cells(points, cells, planes):
-    """Write the cell of vertices 0 to 3 and the ghosts beyond its four facets as cells 0 to 4."""
+def set_first_cells(points, cells, planes, corners):
+    """Write the cell of four vertices and the ghosts beyond its facets as cells 0 to 4."""
     for k in range(4):
-        cells[k] = k
+        cells[k] = corners[k]
         ghost = 16 * (k + 1)
         cells[ghost], cells[ghost + 1], cells[ghost + 2] = FACET_A[k], FACET_B[k], FACET_C[k]
         cells[ghost + 3] = INFINITE
         cells[4 + k] = (k + 1) << 3 | 3
         cells[ghost + 7] = k
-        for j in range(3):  # beyond the edge without corner j is the ghost whose facet has no vertex cells[ghost + j]
+        for j in range(3):  # beyond the edge without cells[ghost + j] is the ghost whose facet lacks that corner
             other = cells[ghost + j]
             for i in range(3):
                 corner = FACET_A[other] if i == 0 else (FACET_B[other] if i == 1 else FACET_C[other])
                 if corner == k:
                     cells[ghost + 4 + j] = (other + 1) << 3 | i
+    for ghost in range(16, 80, 16):
+        for j in range(3):
+            cells[ghost + j] = corners[cells[ghost + j]]
     for t in range(5):
         set_plane(points, cells, planes, t)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..geometry import predicates
+from . import _cavity_kernels as cavity_kernels
 from . import _delaunay_3d_kernels as kernels
 from . import _tetrahedra_kernels as layout
 from . import _tetrahedra_query_kernels as queries
@@ -58,8 +59,8 @@ class SpaceCells:
         Counters of the triangulation, and lists for one thread.
     """
 
-    def __init__(self, points: np.ndarray, rows: np.ndarray, quantum: float, extent: float):
-        """Take vertices of which the first four are a positive cell; insert those and their ghosts."""
+    def __init__(self, points: np.ndarray, rows: np.ndarray, first: np.ndarray, quantum: float, extent: float):
+        """Take vertices, and insert the four of a positive first cell, with its ghosts."""
         self.points = points
         self.rows = rows
         self.n_vertices = len(rows)
@@ -70,7 +71,7 @@ class SpaceCells:
         self.quantum, self.extent = quantum, extent
         self.lists = Lists(quantum, extent)
         self._set_capacity(int(_CELLS_A_POINT * len(rows)) + 1024)
-        layout.set_first_cells(self.points, self.cells, self.planes)
+        layout.set_first_cells(self.points, self.cells, self.planes, first)
         self.lists.state[layout.NEXT] = 5
 
     @property
@@ -135,3 +136,47 @@ class SpaceCells:
         copy._set_capacity(self.capacity, self.n_cells)
         copy.cell_of = self.cell_of.copy()
         return copy
+
+    # ---- what later rooms stand on
+
+    def require(self, *names: str) -> None:
+        """Make side arrays, all zero, or the map ``cell_of``; from then on insertion and `replace` keep them."""
+        for name in names:
+            if len(getattr(self, name)):
+                continue
+            if name == "cell_of":
+                self.cell_of = np.empty(self.n_vertices, np.int32)
+                cavity_kernels.set_cell_of(self.cells, self.n_cells, self.cell_of)
+            else:
+                setattr(self, name, np.zeros(self.capacity * {"region": 1, "facet_id": 4}[name], np.int32))
+
+    def constrain(self, cell: int, facet: int, number: int = 0) -> None:
+        """Make a facet constrained, on both sides, and give it an id if there are any."""
+        word = int(self.cells[16 * cell + 4 + facet])
+        for t, k in ((cell, facet), (word >> 3, word & 3)):
+            self.cells[16 * t + 4 + k] |= layout.CONSTRAINED
+            if len(self.facet_id):
+                self.facet_id[4 * t + k] = number
+
+    def replace(self, old: np.ndarray, new: np.ndarray) -> tuple[int, np.ndarray]:
+        """`replace_cavity`: status, and the numbers of the (m, 4) new cells in the place of the (n,) old ones."""
+        old = np.ascontiguousarray(old, np.int32)
+        new = np.array(new, np.int32).ravel()
+        made = np.empty(len(new) // 4, np.int32)
+        table = np.empty(90 * (len(old) + len(made)) + 90, np.int32)
+        while True:
+            status = cavity_kernels.replace_cavity(
+                self.points, self.cells, self.planes, self.region, self.facet_id, self.cell_of, old, new, made, table,
+                self.state, self.lists.work,
+            )  # fmt: skip
+            if status != layout.FULL_CELLS:
+                return status, made
+            self.grow()
+
+    def compact(self) -> np.ndarray:
+        """Leave no free cells between live ones; return for each former cell its number now, or -1."""
+        number = np.empty(self.n_cells, np.int32)
+        cavity_kernels.compact(
+            self.cells, self.planes, self.region, self.facet_id, self.cell_of, self.state, number
+        )  # fmt: skip
+        return number

@@ -22,12 +22,14 @@ _CELLS_A_RANGE = 32_768
 _POINTS_WORTH_A_THREAD = 100_000
 _FIRST_ALONE = 1 / 16  # of the points are inserted by one thread, so that parts have cells of their own
 _PARTITIONS = 3  # points put off are dealt anew this many times before one thread inserts the rest
+_ROUND_RATIO = 8
+_FIRST_ROUND = 50
 _NOTHING = np.empty(0, np.int32)
 
 
 @dataclass(frozen=True)
 class SpaceOrder:
-    """Different points of space in the order of their insertion, the first four a positive cell.
+    """Different points of space along a Hilbert curve, and the order in which they are inserted.
 
     Attributes
     ----------
@@ -37,6 +39,10 @@ class SpaceOrder:
         x, y, z of each, and a zero.
     merged, kept : (d,) int64
         Rows left out, since another point is at the same place, and the rows that stay for them.
+    first : (4,) int
+        Numbers, in `rows`, of the corners of a positive cell.
+    todo : (k - 4,) int32
+        The others, in the order of their insertion.
     quantum, extent : float
         See `SpaceCells`.
     """
@@ -45,6 +51,8 @@ class SpaceOrder:
     points: np.ndarray
     merged: np.ndarray
     kept: np.ndarray
+    first: np.ndarray
+    todo: np.ndarray
     quantum: float
     extent: float
 
@@ -65,27 +73,42 @@ def extent_of(points: np.ndarray) -> float:
 
 
 def space_order(points: np.ndarray, progress: Progress = silent) -> SpaceOrder:
-    """Order scaled points for insertion: rounds of growing size, each along a Hilbert curve.
+    """Order scaled points for insertion.
 
     Raises
     ------
     InvalidGeometry
         If the points do not span space.
     """
-    order = insertion_order(points, 3, rounds=True, progress=progress)
+    order = insertion_order(points, 3, rounds=False, progress=progress)
     n = len(order.rows)
     records = np.zeros((n, 4))
     records[:, :3] = order.coordinates.reshape(-1, 3)
+    records = records.ravel()
     quantum = predicates.quantum_of(points)
     first = np.zeros(4, np.int64)
-    rank = layout.first_cell(records.ravel(), n, predicates.workspace(quantum), first)
+    rank = layout.first_cell(records, n, predicates.workspace(quantum), first)
     if rank < 4:
         raise InvalidGeometry(_flatness(n, rank), parameter="points")
-    rows = order.rows
-    if not np.array_equal(first, np.arange(4)):
-        moved = np.concatenate([first, np.delete(np.arange(n), first)])
-        rows, records = rows[moved], records[moved]
-    return SpaceOrder(rows, records.ravel(), order.merged, order.kept, quantum, extent_of(points))
+    todo = in_rounds(n)
+    todo = todo[~np.isin(todo, first)]
+    return SpaceOrder(order.rows, records, order.merged, order.kept, first, todo, quantum, extent_of(points))
+
+
+def in_rounds(n: int) -> np.ndarray:
+    """The numbers below n, int32, in the order of insertion: first every so many along the curve, then more.
+
+    Each round is about eight times the size of all before, and goes along the curve. So points are spread over all of
+    space soon, as in a random order, and cavities stay small even on grids; but each point is near the one before.
+    """
+    rounds = []
+    rest = np.arange(n, dtype=np.int32)
+    stride = _ROUND_RATIO ** max(0, int(np.log(max(n, 1) / _FIRST_ROUND) / np.log(_ROUND_RATIO)))
+    while stride > 1:
+        rounds.append(rest[rest % stride == 0])
+        rest = rest[rest % stride != 0]
+        stride //= _ROUND_RATIO
+    return np.concatenate([*rounds, rest])
 
 
 def _flatness(n: int, rank: int) -> str:
@@ -104,8 +127,15 @@ def number_of_threads(threads: int | None, n_points: int) -> int:
     return max(1, min(available, n_points // _POINTS_WORTH_A_THREAD))
 
 
-def insert(space: SpaceCells, start: int, threads: int, progress: Progress = silent) -> np.ndarray:
-    """Insert the vertices from ``start`` on.
+def insert(space: SpaceCells, todo: np.ndarray, threads: int, progress: Progress = silent) -> np.ndarray:
+    """Insert vertices.
+
+    Parameters
+    ----------
+    todo : (k,) int32
+        Vertices in the order of their insertion.
+    threads : int
+        How many; the triangulation does not depend on it.
 
     Returns
     -------
@@ -119,19 +149,17 @@ def insert(space: SpaceCells, start: int, threads: int, progress: Progress = sil
     Cancelled
         If ``progress`` asks for it; the triangulation is whole then, but lacks points.
     """
-    n = space.n_vertices
-    fate = np.full(n, -1, np.int32)
-    todo = np.arange(start, n, dtype=np.int32)
+    n = len(todo)
+    fate = np.full(space.n_vertices, -1, np.int32)
     if threads > 1:
-        alone = min(n, max(start, int(_FIRST_ALONE * n), 4 * _POINTS_A_CHUNK))
-        _insert_alone(space, todo[: alone - start], fate, part_of(progress, 0.0, alone / n))
-        todo = todo[alone - start :]
+        alone = min(n, max(int(_FIRST_ALONE * n), 4 * _POINTS_A_CHUNK))
+        _insert_alone(space, todo[:alone], fate, part_of(progress, 0.0, alone / max(n, 1)))
+        todo = todo[alone:]
         for attempt in range(_PARTITIONS):
             if len(todo) < threads * _POINTS_A_CHUNK:
                 break
-            before = 1 - len(todo) / n
-            todo = _insert_in_parts(space, todo, fate, threads, attempt, part_of(progress, before, 1.0))
-    _insert_alone(space, todo, fate, part_of(progress, 1 - len(todo) / n, 1.0))
+            todo = _insert_in_parts(space, todo, fate, threads, attempt, part_of(progress, 1 - len(todo) / n, 1.0))
+    _insert_alone(space, todo, fate, part_of(progress, 1 - len(todo) / max(n, 1), 1.0))
     return fate
 
 
@@ -220,7 +248,10 @@ def _insert_in_parts(
     for part in parts:
         if part.failure is not None:
             raise part.failure
-    return np.sort(np.concatenate([part.rest() for part in parts]))
+    rest = np.zeros(space.n_vertices, bool)
+    for part in parts:
+        rest[part.rest()] = True
+    return todo[rest[todo]]  # in the order in which they were
 
 
 def _parts(space: SpaceCells, todo: np.ndarray, threads: int, attempt: int) -> np.ndarray:

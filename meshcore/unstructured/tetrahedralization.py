@@ -15,7 +15,7 @@ from ..progress import Progress, part_of, silent
 from . import _tetrahedra_export_kernels as export_kernels
 from .insertion_order import insertion_order
 from .space_cells import SpaceCells
-from .space_insertion import extent_of, insert, locate, number_of_threads, safe_exponent, space_order
+from .space_insertion import extent_of, in_rounds, insert, locate, number_of_threads, safe_exponent, space_order
 
 # What is smaller than this beside an extent of one could underflow in a predicate's products.
 _NEGLIGIBLE = 2.0 ** (predicates.LOWEST_BIT + 53)
@@ -76,7 +76,7 @@ class Tetrahedralization:
         self.merged, self.kept = merged, kept
         self._space = space
         self._exponent = exponent
-        self._by_insertion = True  # vertices are numbered as `space_order` would number all points now
+        self._by_curve = True  # vertices are numbered as they would be if all points were given now
 
     @classmethod
     def from_points(cls, points: Any, *, threads: int | None = None, progress: Progress = silent) -> Tetrahedralization:
@@ -112,8 +112,8 @@ class Tetrahedralization:
         points = _coordinates(points)
         exponent = safe_exponent(points)
         order = space_order(_scaled(points, exponent), part_of(progress, 0.0, 0.1))
-        space = SpaceCells(order.points, order.rows, order.quantum, order.extent)
-        insert(space, 4, number_of_threads(threads, len(order.rows)), part_of(progress, 0.1, 0.9))
+        space = SpaceCells(order.points, order.rows, order.first, order.quantum, order.extent)
+        insert(space, order.todo, number_of_threads(threads, len(order.rows)), part_of(progress, 0.1, 0.9))
         return cls(points, space, order.merged, order.kept, exponent)
 
     def add(self, points: Any, *, threads: int | None = None, progress: Progress = silent) -> None:
@@ -149,13 +149,14 @@ class Tetrahedralization:
             self.__dict__.update(fresh.__dict__)
             return
         scaled = _scaled(together, exponent)
-        order = insertion_order(scaled[len(self.points) :], 3, rounds=True, progress=part_of(progress, 0.0, 0.1))
+        order = insertion_order(scaled[len(self.points) :], 3, rounds=False, progress=part_of(progress, 0.0, 0.1))
         records = np.zeros((len(order.rows), 4))
         records[:, :3] = order.coordinates.reshape(-1, 3)
         old, n_old = self._space, len(self.points)
         space = old.copied()
         space.append(records.ravel(), order.rows + np.int32(n_old), predicates.quantum_of(scaled), extent_of(scaled))
-        fate = insert(space, old.n_vertices, number_of_threads(threads, len(order.rows)), part_of(progress, 0.1, 1.0))
+        todo = in_rounds(len(order.rows)) + np.int32(old.n_vertices)
+        fate = insert(space, todo, number_of_threads(threads, len(order.rows)), part_of(progress, 0.1, 1.0))
         doubled = np.flatnonzero(fate >= 0)
         stays = np.arange(len(together))
         stays[self.merged] = self.kept
@@ -163,7 +164,7 @@ class Tetrahedralization:
         stays[n_old + order.merged] = stays[n_old + order.kept]
         self.merged = np.flatnonzero(stays != np.arange(len(together)))
         self.kept = stays[self.merged]
-        self.points, self._space, self._by_insertion = together, space, False
+        self.points, self._space, self._by_curve = together, space, False
         self.__dict__.pop("_canonical", None)
 
     def mesh(self) -> Mesh:
@@ -234,8 +235,8 @@ class Tetrahedralization:
     def _canonical(self) -> _Canonical:
         space, n = self._space, self._space.n_vertices
         rank, row_of_rank = np.empty(0, np.int32), space.rows[:n]
-        if not self._by_insertion:
-            row_of_rank = space_order(_scaled(self.points, self._exponent)).rows
+        if not self._by_curve:
+            row_of_rank = insertion_order(_scaled(self.points, self._exponent), 3, rounds=False).rows
             rank_of_row = np.zeros(len(self.points), np.int32)
             rank_of_row[row_of_rank] = np.arange(len(row_of_rank))
             rank = rank_of_row[space.rows[:n]]
