@@ -55,18 +55,20 @@ class ConstrainedTriangulation:
         """(p,) int: number of the input line under each piece."""
         return self.graph.line[self.pieces[:, 2]]
 
+    @property
+    def constrained_half_edges(self) -> np.ndarray:
+        """(2 e,) int: the half-edges on pieces of segments."""
+        flags = self.triangulation.origin[3 : 4 * self.triangulation.n_triangles : 4]
+        return np.concatenate([4 * np.flatnonzero(flags >> k & 1) + k for k in range(3)])
+
     @cached_property
     def faces_beside(self) -> tuple[np.ndarray, np.ndarray]:
         """(p,) int: the faces left and right of each piece, as they are before refinement."""
-        mesh = self.triangulation
-        slots = mesh.n_triangles
+        half_edge = self.constrained_half_edges
+        piece = self.piece_of[half_edge]
+        backward = self.triangulation.origin[half_edge] != self.pieces[piece, 0]
         sides = np.zeros((2, len(self.pieces)), np.int64)
-        flags = mesh.origin[3 : 4 * slots : 4]
-        for k in range(3):
-            t = np.flatnonzero(flags >> k & 1)
-            piece = self.piece_of[4 * t + k]
-            backward = mesh.origin[4 * t + k] != self.pieces[piece, 0]
-            sides[backward.astype(int), piece] = self.face[t]
+        sides[backward.astype(int), piece] = self.face[half_edge >> 2]
         return sides[0], sides[1]
 
 

@@ -14,6 +14,7 @@ from ..operation import Param, Port, operation
 from ..progress import Progress, advance, part_of, silent
 from ..report import Report, Result
 from .boundary_lines import along_lines, edges_on_lines, line_cells, numbered, with_lines
+from .conforming import conform
 from .constrained import ConstrainedTriangulation, constrained
 from .domain import Domain, domain, seeds
 from .planar_graph import planar_graph
@@ -23,6 +24,9 @@ from .planar_graph import planar_graph
 def constrained_delaunay(
     boundary: Annotated[Mesh, Port("Lines in a plane, which become edges of the mesh", cells=("line",))],
     *,
+    conforming: Annotated[
+        bool, Param("Put points on lines until every triangle is Delaunay; without, no point is added")
+    ] = False,
     keep: Annotated[
         Literal["inside", "hull"], Param("Mesh what closed loops enclose, or the whole convex hull of the lines")
     ] = "inside",
@@ -36,7 +40,7 @@ def constrained_delaunay(
     regions: Any = None,
     progress: Progress = silent,
 ) -> Result:
-    """Triangulate a planar straight-line graph with all of its lines as edges, and no point added.
+    """Triangulate a planar straight-line graph with all of its lines as edges.
 
     No point that can be seen past the lines from a triangle lies inside its circle; of all triangulations with these
     edges, this one has the largest smallest angle.
@@ -55,6 +59,9 @@ def constrained_delaunay(
         "line" cells in the plane z = 0 or any other; they may touch, overlap, repeat, end anywhere, and enclose one
         another. "vertex" cells become points of the mesh. Points that no cell uses are left out. ``field_data``
         "holes" and "regions" are used where the arguments are not given.
+    conforming : bool
+        Split lines until no point at all lies inside the circle of a triangle: the mesh is then a part of the Delaunay
+        triangulation of its points. Splitting ends at any angle between lines, with few points.
     keep : {"inside", "hull"}
         "inside" meshes what closed loops enclose by the even-odd rule: outline, hole, island; a loop that shares lines
         with another is a second part beside it. "hull" meshes all of the convex hull, but for holes that are given.
@@ -107,11 +114,17 @@ def constrained_delaunay(
     graph.line = line_cells(boundary)[graph.line]
     marks = seeds(boundary, holes, regions, plane)
     triangulation = constrained(
-        graph, split_crossings=crossings == "split", parameter="boundary", progress=part_of(progress, 0.0, 0.8)
+        graph, split_crossings=crossings == "split", parameter="boundary", progress=part_of(progress, 0.0, 0.7)
     )
     parts = domain(triangulation, marks, np.inf, keep_hull=keep == "hull")
+    left, added = conform(triangulation, part_of(progress, 0.7, 0.8)) if conforming else (0, 0)
     advance(progress, 0.8, "checking the mesh")
-    return _result(boundary, plane, triangulation, parts, lines)
+    result = _result(boundary, plane, triangulation, parts, lines)
+    result.report.counts["points added on lines"] = added
+    if left:
+        result.report.converged = False
+        result.report.warnings.append(f"{left:,} pieces of lines are not Delaunay edges: lines are too near each other")
+    return result
 
 
 def _result(
@@ -123,14 +136,20 @@ def _result(
     face = triangulation.face[slots]
     corners, slots, face = (array[parts.keep[face]] for array in (corners, slots, face))
     xy = np.ldexp(half_edges.xy.reshape(-1, 2), -triangulation.exponent)
-    number, kept, added = numbered(corners, graph.source[half_edges.order])
+    source = np.full(len(xy), -1)
+    source[: len(half_edges.order)] = graph.source[half_edges.order]
+    number, kept, added = numbered(corners, source)
     points = np.concatenate([boundary.points[kept], plane.to_space(xy[added])])
     mesh = Mesh(points, {"triangle": number[corners]}, cell_data={"region": parts.tag[face]})
     ends, piece = edges_on_lines(half_edges.origin, half_edges.twin, triangulation.piece_of, slots)
     ends, line = along_lines(graph, xy, ends, triangulation.pieces[piece, 2])
     quality.validate(mesh)
     report = Report(
-        counts={"points": mesh.n_points, "triangles": mesh.n_cells, "points added at crossings": len(added)},
+        counts={
+            "points": mesh.n_points,
+            "triangles": mesh.n_cells,
+            "points added at crossings": int((graph.source < 0).sum()),
+        },
         quality=quality.summary(mesh),
         warnings=[*graph.warnings, *parts.warnings],
     )
