@@ -1010,7 +1010,7 @@ class meshcoreTransfiniteInterpolation(Operation):
 @smproperty.xml(
     """
     <Documentation short_help="Constrained Delaunay">Triangulate a planar straight-line graph with all of its lines
-    as edges, and no point added.</Documentation>
+    as edges.</Documentation>
     <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
       <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
       <DataTypeDomain name="input_type" composite_data_supported="0">
@@ -1019,6 +1019,10 @@ class meshcoreTransfiniteInterpolation(Operation):
       <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
       <Documentation>Lines in a plane, which become edges of the mesh.</Documentation>
     </InputProperty>
+    <IntVectorProperty name="Conforming" label="Conforming" command="SetConforming" number_of_elements="1" default_values="0" panel_visibility="default">
+      <BooleanDomain name="bool"/>
+      <Documentation>Put points on lines until every triangle is Delaunay; without, no point is added.</Documentation>
+    </IntVectorProperty>
     <IntVectorProperty name="Keep" label="Keep" command="SetKeep" number_of_elements="1" default_values="0" panel_visibility="default">
       <EnumerationDomain name="enum"><Entry value="0" text="inside"/><Entry value="1" text="hull"/></EnumerationDomain>
       <Documentation>Mesh what closed loops enclose, or the whole convex hull of the lines.</Documentation>
@@ -1032,6 +1036,7 @@ class meshcoreTransfiniteInterpolation(Operation):
       <Documentation>Give the pieces of the lines too, as line cells with their tags and numbers.</Documentation>
     </IntVectorProperty>
     <PropertyGroup label="Parameters">
+      <Property name="Conforming"/>
       <Property name="Keep"/>
       <Property name="Crossings"/>
       <Property name="Lines"/>
@@ -1043,6 +1048,9 @@ class meshcoreConstrainedDelaunay(Operation):
     label = "meshcore Constrained Delaunay"
     ports = (("boundary", "lines", False),)
     output = "vtkUnstructuredGrid"
+
+    def SetConforming(self, value):
+        self.set("conforming", bool(value))
 
     def SetKeep(self, value):
         self.set("keep", ('inside', 'hull')[value])
