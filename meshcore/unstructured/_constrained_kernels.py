@@ -225,6 +225,7 @@ def insert_segments(
     depth = int(state[DEPTH])
     room = len(chain)
     done = 0
+    aim = -1  # a vertex on the segment that is nearer than b
     status = DONE
     while s < len(segments):
         if depth > 0:
@@ -250,8 +251,9 @@ def insert_segments(
         # The star of a: is there an edge along the segment, else which edge does the segment cross?
         ax = xy[U(2 * a)]
         ay = xy[U(2 * a + 1)]
-        bx = xy[U(2 * b)]
-        by = xy[U(2 * b + 1)]
+        goal = b if aim < 0 else aim
+        bx = xy[U(2 * goal)]
+        by = xy[U(2 * goal + 1)]
         e = int(vertex_edge[a])
         first = e
         along = -1
@@ -260,7 +262,7 @@ def insert_segments(
         side_u = 0.0
         while True:
             u = int(origin[U(next_edge(e))])
-            if u == b:
+            if u == goal:
                 along = e
                 break
             w = int(origin[U(previous_edge(e))])
@@ -284,8 +286,8 @@ def insert_segments(
         if along < 0 and e != first:  # a hub: begin at the other end, and if that is one too, look at all its edges
             a, b = b, a
             turned = 3
+            aim = -1
             continue
-        goal = b
         if along >= 0:
             goal = int(origin[U(next_edge(along))])
         elif across < 0:
@@ -295,78 +297,76 @@ def insert_segments(
             # Walk to the goal, and note the outline on either side: rows 0 to low right of the segment, counter-
             # clockwise; rows high to the end left of it, so that they too are counter-clockwise when read upwards.
             before = state[CROSSED]
+            cavity[0] = across >> 2
+            n_cavity = 1
+            chain[0, INSIDE] = across
+            low = 0
+            high = room - 1
+            chain[U(high), CORNER] = a
+            chain[U(high), INSIDE] = previous_edge(across)
+            e = next_edge(across)
+            nearer = -1
             while True:
-                gx = xy[U(2 * goal)]
-                gy = xy[U(2 * goal + 1)]
-                cavity[0] = across >> 2
-                n_cavity = 1
-                chain[0, INSIDE] = across
-                low = 0
-                high = room - 1
-                chain[U(high), CORNER] = a
-                chain[U(high), INSIDE] = previous_edge(across)
-                e = next_edge(across)
-                nearer = -1
-                state[CROSSED] = before
-                while True:
-                    if low + 3 > high or n_cavity + 1 >= len(cavity) or state[CROSSED] >= len(crossed):
-                        status = FULL
-                        break
-                    u = int(origin[U(e)])
-                    w = int(origin[U(next_edge(e))])
-                    if is_constrained(origin, e):
-                        ux = xy[U(2 * u)]
-                        uy = xy[U(2 * u + 1)]
-                        wx = xy[U(2 * w)]
-                        wy = xy[U(2 * w + 1)]
-                        right = side_of(ax, ay, gx, gy, ux, uy, work)
-                        share = right / (right - side_of(ax, ay, gx, gy, wx, wy, work))
-                        count = state[CROSSED]
-                        crossed[U(count), 0] = s
-                        crossed[U(count), 1] = pieces[U(piece_of[U(e)]), 2]
-                        places[U(count), 0] = ux + share * (wx - ux)
-                        places[U(count), 1] = uy + share * (wy - uy)
-                        state[CROSSED] = count + 1
-                    f = int(twin[U(e)])
-                    v = int(origin[U(previous_edge(f))])
-                    cavity[U(n_cavity)] = f >> 2
-                    n_cavity += 1
-                    if v == goal:
-                        chain[U(low), CORNER] = u
-                        chain[U(low + 1), CORNER] = goal
-                        chain[U(low + 1), INSIDE] = next_edge(f)
-                        low += 2
-                        high -= 1
-                        chain[U(high), CORNER] = w
-                        chain[U(high), INSIDE] = previous_edge(f)
-                        break
-                    vx = xy[U(2 * v)]
-                    vy = xy[U(2 * v + 1)]
-                    if on_segment(ax, ay, gx, gy, vx, vy, tolerance):
-                        nearer = v
-                        break
-                    side = side_of(ax, ay, gx, gy, vx, vy, work)
-                    if side < 0.0:
-                        chain[U(low), CORNER] = u
-                        low += 1
-                        chain[U(low), INSIDE] = next_edge(f)
-                        e = previous_edge(f)
-                    elif side > 0.0:
-                        high -= 1
-                        chain[U(high), CORNER] = w
-                        chain[U(high), INSIDE] = previous_edge(f)
-                        e = next_edge(f)
-                    else:
-                        status = FAILED
-                        break
-                if nearer < 0 or status != DONE:
+                if low + 3 > high or n_cavity + 1 >= len(cavity) or state[CROSSED] >= len(crossed):
+                    status = FULL
                     break
-                goal = nearer  # the line to it is another one, by rounding: walk anew
+                u = int(origin[U(e)])
+                w = int(origin[U(next_edge(e))])
+                if is_constrained(origin, e):
+                    ux = xy[U(2 * u)]
+                    uy = xy[U(2 * u + 1)]
+                    wx = xy[U(2 * w)]
+                    wy = xy[U(2 * w + 1)]
+                    right = side_of(ax, ay, bx, by, ux, uy, work)
+                    share = right / (right - side_of(ax, ay, bx, by, wx, wy, work))
+                    count = state[CROSSED]
+                    crossed[U(count), 0] = s
+                    crossed[U(count), 1] = pieces[U(piece_of[U(e)]), 2]
+                    places[U(count), 0] = ux + share * (wx - ux)
+                    places[U(count), 1] = uy + share * (wy - uy)
+                    state[CROSSED] = count + 1
+                f = int(twin[U(e)])
+                v = int(origin[U(previous_edge(f))])
+                cavity[U(n_cavity)] = f >> 2
+                n_cavity += 1
+                if v == goal:
+                    chain[U(low), CORNER] = u
+                    chain[U(low + 1), CORNER] = goal
+                    chain[U(low + 1), INSIDE] = next_edge(f)
+                    low += 2
+                    high -= 1
+                    chain[U(high), CORNER] = w
+                    chain[U(high), INSIDE] = previous_edge(f)
+                    break
+                vx = xy[U(2 * v)]
+                vy = xy[U(2 * v + 1)]
+                if on_segment(ax, ay, bx, by, vx, vy, tolerance):
+                    nearer = v
+                    break
+                side = side_of(ax, ay, bx, by, vx, vy, work)
+                if side < 0.0:
+                    chain[U(low), CORNER] = u
+                    low += 1
+                    chain[U(low), INSIDE] = next_edge(f)
+                    e = previous_edge(f)
+                elif side > 0.0:
+                    high -= 1
+                    chain[U(high), CORNER] = w
+                    chain[U(high), INSIDE] = previous_edge(f)
+                    e = next_edge(f)
+                else:
+                    status = FAILED
+                    break
             if status != DONE:
                 break
+            if nearer >= 0:
+                state[CROSSED] = before
+                aim = nearer  # the line to it is another one, by rounding: begin anew
+                continue
             done += n_cavity
             if state[CROSSED] > before:
                 a = goal
+                aim = -1
                 continue
             if depth + 2 * n_cavity + 8 > len(stack) or n_cavity + 8 > len(sweep):
                 status = FULL
@@ -405,6 +405,7 @@ def insert_segments(
             pieces[U(count), 2] = s
             state[PIECES] = count + 1
         a = goal
+        aim = -1
     state[SEGMENT] = s
     state[FROM] = a
     state[TO] = b
