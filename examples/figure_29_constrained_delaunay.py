@@ -1,36 +1,51 @@
-"""A boundary that Delaunay triangulation does not respect, and one that does (survey, figures 28 and 29).
+"""Edge swapping gives a constrained Delaunay triangulation (survey, figure 29), points on the lines a conforming one.
 
-The points of three thin walls that nearly touch are triangulated alone, whereby triangles reach through a wall, and
-again with the walls as constraints: then each of them is an edge of the mesh.
+The rotor of figure 28: first all of its hull with the lost sides recovered, the new triangles marked; then what the
+outline encloses; then the conforming triangulation, which is Delaunay and has points on the outline instead.
 """
 
+import runpy
 import sys
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial import Delaunay
 
 import meshcore as mc
-from meshcore import gallery
 from meshcore.picture import picture
+
+SHARED = runpy.run_path(str(Path(__file__).parent / "figure_28_boundary_not_respected.py"))
+
+
+def corners_of(triangles):
+    """Triangles as sets of points."""
+    return [frozenset(t) for t in triangles.tolist()]
 
 
 def main(folder="out"):
-    ends = [[0.05, 0.5], [0.95, 0.52], [0.5, 0.53], [0.5, 0.9], [0.4, 0.49], [0.4, 0.1]]
-    walls = mc.Mesh(ends, {"line": [[0, 1], [2, 3], [4, 5]]})
-    domain = gallery.joined(gallery.square(4), walls)
-    free = mc.Mesh(domain.points, {"triangle": Delaunay(domain.points[:, :2]).simplices.astype(int)})
-    constrained, _ = mc.delaunay_refinement(domain, min_angle=0)
-    picture(free, Path(folder) / "figure_28.png", window=(800, 760))
-    picture(constrained, Path(folder) / "figure_29.png", window=(800, 760))
+    outline = SHARED["rotor"]()
+    plain = mc.delaunay_2d(outline)
+    plain = plain if isinstance(plain, mc.Mesh) else plain.mesh
+    hull, _ = mc.constrained_delaunay(outline, keep="hull", lines=True)
+    inside, _ = mc.constrained_delaunay(outline, lines=True)
+    conforming, report = mc.constrained_delaunay(outline, conforming=True, lines=True)
+    before, after = corners_of(plain.get("triangle")), corners_of(hull.get("triangle"))
+    swapped = [k for k, t in enumerate(after) if t not in set(before)]
+    folder = Path(folder)
+    picture(hull, folder / "figure_29.png", marked=swapped, window=(900, 860))
+    picture(inside, folder / "figure_29_inside.png", window=(900, 860))
+    picture(conforming, folder / "figure_29_conforming.png", window=(900, 860))
 
-    def lost(mesh):
-        edges = {frozenset(map(tuple, mesh.points[edge].round(12))) for edge in mesh.edges}
-        return sum(frozenset(map(tuple, domain.points[line].round(12))) not in edges for line in domain.get("line"))
-
-    assert lost(free) > 0 and lost(constrained) == 0
-    assert np.array_equal(constrained.bounds, domain.bounds)
-    return lost(free)
+    # Every line is an edge now, and only triangles that a lost line cut were changed.
+    edges = SHARED["edges_of"](hull)
+    assert all(tuple(np.sort(line)) in edges for line in outline.get("line"))
+    lost = [line for line in outline.get("line") if tuple(np.sort(line)) not in SHARED["edges_of"](plain)]
+    cut = {k for line in lost for k in SHARED["cut"](outline.points[:, :2], plain.get("triangle"), line)}
+    assert {k for k, t in enumerate(before) if t not in set(after)} <= cut and len(swapped) == len(cut & set(range(len(before))))
+    # The conforming mesh is a part of the Delaunay triangulation of its points.
+    again = mc.delaunay_2d(mc.Mesh(conforming.points, {}))
+    again = again if isinstance(again, mc.Mesh) else again.mesh
+    assert set(corners_of(conforming.get("triangle"))) <= set(corners_of(again.get("triangle")))
+    return report.counts["points added on lines"]
 
 
 if __name__ == "__main__":

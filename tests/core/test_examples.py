@@ -23,7 +23,8 @@ NUMBERS = {
     "figure_25_degenerate_points": 800,
     "figure_26_octahedron": 4,
     "figure_27_bowyer_watson": None,
-    "figure_29_constrained_delaunay": 1,
+    "figure_28_boundary_not_respected": None,
+    "figure_29_constrained_delaunay": None,
     "surface_between_four_curves": 32 * 24,
 }
 
