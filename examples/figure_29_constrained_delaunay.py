@@ -1,7 +1,7 @@
 """Edge swapping gives a constrained Delaunay triangulation (survey, figure 29), points on the lines a conforming one.
 
-The rotor of figure 28: first all of its hull with the lost sides recovered, the new triangles marked; then what the
-outline encloses; then the conforming triangulation, which is Delaunay and has points on the outline instead.
+The rotor of figure 28: first all of its hull with the lost sides recovered; then what the outline encloses; then the
+conforming triangulation, which is Delaunay and has points on the outline instead.
 """
 
 import runpy
@@ -23,15 +23,14 @@ def corners_of(triangles):
 
 def main(folder="out"):
     outline = SHARED["rotor"]()
-    plain = mc.delaunay_2d(outline)
-    plain = plain if isinstance(plain, mc.Mesh) else plain.mesh
+    plain, _ = mc.delaunay_2d(outline)
     hull, _ = mc.constrained_delaunay(outline, keep="hull", lines=True)
     inside, _ = mc.constrained_delaunay(outline, lines=True)
     conforming, report = mc.constrained_delaunay(outline, conforming=True, lines=True)
     before, after = corners_of(plain.get("triangle")), corners_of(hull.get("triangle"))
     swapped = [k for k, t in enumerate(after) if t not in set(before)]
     folder = Path(folder)
-    picture(hull, folder / "figure_29.png", marked=swapped, window=(900, 860))
+    picture(hull, folder / "figure_29.png", window=(900, 860))
     picture(inside, folder / "figure_29_inside.png", window=(900, 860))
     picture(conforming, folder / "figure_29_conforming.png", window=(900, 860))
 
@@ -40,10 +39,11 @@ def main(folder="out"):
     assert all(tuple(np.sort(line)) in edges for line in outline.get("line"))
     lost = [line for line in outline.get("line") if tuple(np.sort(line)) not in SHARED["edges_of"](plain)]
     cut = {k for line in lost for k in SHARED["cut"](outline.points[:, :2], plain.get("triangle"), line)}
-    assert {k for k, t in enumerate(before) if t not in set(after)} <= cut and len(swapped) == len(cut & set(range(len(before))))
+    assert {k for k, t in enumerate(before) if t not in set(after)} <= cut and len(swapped) == len(
+        cut & set(range(len(before)))
+    )
     # The conforming mesh is a part of the Delaunay triangulation of its points.
-    again = mc.delaunay_2d(mc.Mesh(conforming.points, {}))
-    again = again if isinstance(again, mc.Mesh) else again.mesh
+    again, _ = mc.delaunay_2d(conforming.points)
     assert set(corners_of(conforming.get("triangle"))) <= set(corners_of(again.get("triangle")))
     return report.counts["points added on lines"]
 

@@ -112,6 +112,9 @@ def picture(
             _add_marked(plotter, parts[0], marked)
         for number, more in enumerate(over):
             _add_over(plotter, more, parts, OVER[number % len(OVER)])
+        for part in parts:
+            if isinstance(part, Mesh) and part.dimension == 2 and len(part.get("line")):
+                _add_over(plotter, Mesh(part.points, {"line": part.get("line")}), parts, MARK)
         _look(plotter, parts, box, window[0] / window[1] * (1.0 if coloured is None else 1 - SCALE))
         _label(plotter, title)
         return _save(plotter, path)
@@ -299,6 +302,8 @@ def _line_width(parts: list[Mesh], window: tuple[int, int], box: np.ndarray | No
 def _add(plotter: Any, part: Mesh | PolyhedralMesh, colour: str, width: float, values: np.ndarray | None) -> Any:
     """Add curves as lines, of volumes the far half, and faces with edges ``width`` pixels wide; return the actor."""
     part = replace(part, point_data={}, cell_data={}, field_data={})
+    if isinstance(part, Mesh) and part.dimension == 2 and part.cells.get("line") is not None:
+        part, values = _without_lines(part, values)
     if isinstance(part, PolyhedralMesh) and part.dimension == 3:
         part, values = _opened(part, values)
     data = to_pyvista(part)
@@ -319,6 +324,15 @@ def _add(plotter: Any, part: Mesh | PolyhedralMesh, colour: str, width: float, v
         lighting=not part.is_planar,
         **_colours(values),
     )
+
+
+def _without_lines(part: Mesh, values: np.ndarray | None) -> tuple[Mesh, np.ndarray | None]:
+    """The faces of a mesh that has lines too, and their values."""
+    is_face = np.concatenate(
+        [np.full(len(cells), kind not in ("line", "vertex")) for kind, cells in part.cells.items()]
+    )
+    faces = Mesh(part.points, {kind: cells for kind, cells in part.cells.items() if kind not in ("line", "vertex")})
+    return faces, values[is_face] if values is not None and len(values) == part.n_cells else values
 
 
 def _opened(part: PolyhedralMesh, values: np.ndarray | None) -> tuple[PolyhedralMesh, np.ndarray | None]:
