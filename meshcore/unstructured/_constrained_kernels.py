@@ -2,8 +2,9 @@
 
 A segment is walked from one end through the triangles that it crosses. These leave a cavity on either side of it, which
 is triangulated in one sweep along its outline and then made Delaunay by flips (Lawson). Outside the cavity nothing
-changes: what was constrained Delaunay before stays so, and the result depends on neither the order of the segments nor
-the sweep. Nothing is touched before the walk has reached its end, so a segment that crosses another leaves no trace.
+changes: what was constrained Delaunay before stays so. Ties are broken as for points alone, so there is one constrained
+Delaunay triangulation, and it depends on neither the order of the segments nor the sweep. Nothing is touched before the
+walk has reached its end, so a segment that crosses another leaves no trace.
 
 References
 ----------
@@ -26,6 +27,7 @@ from ._half_edge_kernels import (
     MORE,
     U,
     circle_side,
+    circle_tie,
     flip,
     is_constrained,
     next_edge,
@@ -154,7 +156,7 @@ def fill_side(
 
 
 @kernel
-def legalise(xy, origin, twin, piece_of, vertex_edge, stack, depth, work):
+def legalise(xy, order, origin, twin, piece_of, vertex_edge, stack, depth, work):
     """Flip the edges on the stack, and what that touches, until all are Delaunay; what is left where it is full."""
     done = 0
     while depth > 0 and depth + 8 <= len(stack):
@@ -170,20 +172,20 @@ def legalise(xy, origin, twin, piece_of, vertex_edge, stack, depth, work):
         v = int(origin[U(previous_edge(f))])
         if (u | w | p | v) < 0:
             continue
-        if (
-            circle_side(
-                xy[U(2 * u)],
-                xy[U(2 * u + 1)],
-                xy[U(2 * w)],
-                xy[U(2 * w + 1)],
-                xy[U(2 * p)],
-                xy[U(2 * p + 1)],
-                xy[U(2 * v)],
-                xy[U(2 * v + 1)],
-                work,
-            )
-            > 0.0
-        ):
+        side = circle_side(
+            xy[U(2 * u)],
+            xy[U(2 * u + 1)],
+            xy[U(2 * w)],
+            xy[U(2 * w + 1)],
+            xy[U(2 * p)],
+            xy[U(2 * p + 1)],
+            xy[U(2 * v)],
+            xy[U(2 * v + 1)],
+            work,
+        )
+        if side == 0.0:
+            side = circle_tie(xy, order, u, w, p, v, work)
+        if side > 0.0:
             flip(origin, twin, piece_of, vertex_edge, e)
             stack[U(depth)] = e
             stack[U(depth + 1)] = previous_edge(e)
@@ -208,8 +210,8 @@ def attach_outline(twin, chain, low, high):
 
 @kernel
 def insert_segments(
-    xy, origin, twin, piece_of, vertex_edge, segments, pieces, crossed, places, chain, cavity, sweep, stack, work,
-    tolerance, state, steps,
+    xy, order, origin, twin, piece_of, vertex_edge, segments, pieces, crossed, places, chain, cavity, sweep, stack,
+    work, tolerance, state, steps,
 ):  # fmt: skip
     """Insert segments until about ``steps`` edges were looked at; ``state`` tells where to go on.
 
@@ -229,7 +231,7 @@ def insert_segments(
     status = DONE
     while s < len(segments):
         if depth > 0:
-            depth, flips = legalise(xy, origin, twin, piece_of, vertex_edge, stack, depth, work)
+            depth, flips = legalise(xy, order, origin, twin, piece_of, vertex_edge, stack, depth, work)
             done += flips
             if depth > 0:
                 status = FULL

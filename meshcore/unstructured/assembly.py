@@ -10,6 +10,7 @@ from ..geometry.plane import Plane
 from ..mesh import Mesh
 from ..report import Report, Result
 from . import _assembly_kernels as kernels
+from .boundary_lines import along_lines, with_lines
 from .constrained import ConstrainedTriangulation
 from .domain import Domain
 from .refiner import Refinement
@@ -23,6 +24,7 @@ def assembled(
     refinement: Refinement,
     min_angle: float,
     split_boundary: bool,
+    on_lines: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> Result:
     """The mesh, checked, and its report.
 
@@ -40,6 +42,8 @@ def assembled(
         How that went.
     min_angle, split_boundary
         What was asked for.
+    on_lines : (p, 2) int and (p,) int, optional
+        Vertices of the edges on lines, and the piece of each; the mesh gets them as "line" cells.
     """
     number, kept, added = _numbered(triangulation, refinement)
     points = np.concatenate([boundary.points[kept], plane.to_space(added)])
@@ -68,6 +72,10 @@ def assembled(
         warnings=[*triangulation.graph.warnings, *parts.warnings],
     )
     _warn(report, mesh, refinement, min_angle, split_boundary)
+    if on_lines is not None:
+        ends, piece = on_lines
+        ends, line = along_lines(triangulation.graph, refinement.xy, ends, triangulation.pieces[piece, 2])
+        mesh = with_lines(mesh, boundary, number[ends], line)
     return Result(mesh, report)
 
 

@@ -109,37 +109,3 @@ def with_lines(mesh: Mesh, boundary: Mesh, ends: np.ndarray, line: np.ndarray) -
         tag = boundary.cell_data["tag"]
         data["tag"] = np.concatenate([np.zeros((n, *tag.shape[1:]), tag.dtype), tag[line]])
     return Mesh(mesh.points, {"triangle": mesh.get("triangle"), "line": ends}, mesh.point_data, data)
-
-
-def numbered(corners: np.ndarray, source: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Numbers of vertices in the mesh: the input's points that it uses come first, in their order, then the added ones.
-
-    Parameters
-    ----------
-    corners : (m, 3) int
-        Vertices of the triangles.
-    source : (n,) int
-        The input's point that each vertex stands for; -1 for added ones.
-
-    Returns
-    -------
-    number : (n,) int
-        The number of each vertex, -1 where no triangle uses it.
-    kept : (k,) int
-        The input's points that are used.
-    added : (l,) int
-        The vertices that were added.
-
-    Examples
-    --------
-    >>> numbered(np.array([[0, 1, 3]]), np.array([4, -1, 2, 0]))
-    (array([ 1,  2, -1,  0]), array([0, 4]), array([1]))
-    """
-    used = np.zeros(len(source), bool)
-    used[corners] = True
-    old = np.flatnonzero(used & (source >= 0))
-    old = old[np.argsort(source[old])]
-    added = np.flatnonzero(used & (source < 0))
-    number = np.full(len(source), -1)
-    number[np.concatenate([old, added])] = np.arange(len(old) + len(added))
-    return number, source[old], added

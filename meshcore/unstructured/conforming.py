@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..geometry import predicates
 from ..progress import Progress, advance
 from . import _conforming_kernels as kernels
 from . import _half_edge_kernels as half_edges
@@ -38,6 +39,7 @@ def conform(mesh: ConstrainedTriangulation, progress: Progress) -> tuple[int, in
     stack = np.empty(4096, np.int32)
     state = np.zeros(kernels.STATE_SIZE, np.int64)
     state[[kernels.TRIANGLES, kernels.VERTICES, kernels.WAITING]] = base.n_triangles, n, len(half_edge)
+    work = predicates.workspace()  # the points that are added lie on no grid, if those given do
     status = half_edges.MORE
     while status in (half_edges.MORE, half_edges.FULL):
         added = int(state[kernels.VERTICES]) - n
@@ -46,7 +48,7 @@ def conform(mesh: ConstrainedTriangulation, progress: Progress) -> tuple[int, in
         advance(progress, added / (added + len(half_edge) + 1), "splitting lines")
         status = kernels.conform(
             base.xy, base.origin, base.twin, mesh.piece_of, mesh.face, vertex_edge, mesh.pieces, acute, queue, stack,
-            base.scratch.work, state, _EDGES_A_CHUNK,
+            work, state, _EDGES_A_CHUNK,
         )  # fmt: skip
         if status != half_edges.FULL:
             continue

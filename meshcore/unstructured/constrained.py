@@ -137,8 +137,8 @@ def _inserted(mesh: Triangulation, graph: PlanarGraph, progress: Progress):
     while status in (half_edges.MORE, half_edges.FULL):
         advance(progress, state[kernels.SEGMENT] / max(len(segments), 1), "inserting lines")
         status = kernels.insert_segments(
-            mesh.xy, mesh.origin, mesh.twin, piece_of, vertex_edge, segments, pieces, crossed, places, chain,
-            cavity, sweep, stack, mesh.scratch.work, tolerance, state, _EDGES_A_CHUNK,
+            mesh.xy, mesh.order, mesh.origin, mesh.twin, piece_of, vertex_edge, segments, pieces, crossed, places,
+            chain, cavity, sweep, stack, mesh.scratch.work, tolerance, state, _EDGES_A_CHUNK,
         )  # fmt: skip
         if status == half_edges.FULL and state[kernels.CROSSED] == len(crossed):
             crossed, places = grown(crossed, 2 * len(crossed)), grown(places, 2 * len(places))

@@ -6,23 +6,28 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from .. import quality
 from ..errors import InvalidInput
 from ..geometry.plane import Plane, fitted_plane
 from ..mesh import Mesh
 from ..operation import Param, Port, operation
 from ..progress import Progress, advance, part_of, silent
-from ..report import Report, Result
-from .boundary_lines import along_lines, edges_on_lines, line_cells, numbered, with_lines
+from ..report import Result
+from .assembly import assembled
+from .boundary_lines import edges_on_lines, line_cells
 from .conforming import conform
 from .constrained import ConstrainedTriangulation, constrained
-from .domain import Domain, domain, seeds
+from .domain import Domain, collected_seeds, domain
 from .planar_graph import planar_graph
+from .refiner import Refinement
 
 
 @operation("Constrained Delaunay", category="Unstructured")
 def constrained_delaunay(
     boundary: Annotated[Mesh, Port("Lines in a plane, which become edges of the mesh", cells=("line",))],
+    seeds: Annotated[
+        Mesh | None,
+        Port('Points in holes; or in regions, by point arrays "tag", "max_area" and, not zero in holes, "hole"'),
+    ] = None,
     *,
     conforming: Annotated[
         bool, Param("Put points on lines until every triangle is Delaunay; without, no point is added")
@@ -59,6 +64,9 @@ def constrained_delaunay(
         "line" cells in the plane z = 0 or any other; they may touch, overlap, repeat, end anywhere, and enclose one
         another. "vertex" cells become points of the mesh. Points that no cell uses are left out. ``field_data``
         "holes" and "regions" are used where the arguments are not given.
+    seeds : Mesh, optional
+        Points in holes. If it has point arrays "tag" or "max_area", its points mark regions with that tag (areas are
+        for refinement); those whose point array "hole" is not zero mark holes all the same.
     conforming : bool
         Split lines until no point at all lies inside the circle of a triangle: the mesh is then a part of the Delaunay
         triangulation of its points. Splitting ends at any angle between lines, with few points.
@@ -112,45 +120,34 @@ def constrained_delaunay(
     plane = fitted_plane(boundary.points[used], parameter="boundary")
     graph = planar_graph(plane.to_plane(boundary.points), segments, vertices, "boundary", may_lack_lines=keep == "hull")
     graph.line = line_cells(boundary)[graph.line]
-    marks = seeds(boundary, holes, regions, plane)
+    marks = collected_seeds(boundary, holes, regions, plane, seeds)
     triangulation = constrained(
         graph, split_crossings=crossings == "split", parameter="boundary", progress=part_of(progress, 0.0, 0.7)
     )
     parts = domain(triangulation, marks, np.inf, keep_hull=keep == "hull")
     left, added = conform(triangulation, part_of(progress, 0.7, 0.8)) if conforming else (0, 0)
     advance(progress, 0.8, "checking the mesh")
-    result = _result(boundary, plane, triangulation, parts, lines)
-    result.report.counts["points added on lines"] = added
+    mesh, report = _result(boundary, plane, triangulation, parts, lines, added)
     if left:
-        result.report.converged = False
-        result.report.warnings.append(f"{left:,} pieces of lines are not Delaunay edges: lines are too near each other")
-    return result
+        report.converged = False
+        report.warnings.append(f"{left:,} pieces of lines are not Delaunay edges: lines are too near each other")
+    return Result(mesh, report)
 
 
 def _result(
-    boundary: Mesh, plane: Plane, triangulation: ConstrainedTriangulation, parts: Domain, lines: bool
+    boundary: Mesh, plane: Plane, triangulation: ConstrainedTriangulation, parts: Domain, lines: bool, added: int
 ) -> Result:
-    """The mesh, checked, and its report."""
-    half_edges, graph = triangulation.triangulation, triangulation.graph
+    """The mesh of the faces that are kept, checked, and its report."""
+    half_edges = triangulation.triangulation
     corners, slots = half_edges.live()
     face = triangulation.face[slots]
     corners, slots, face = (array[parts.keep[face]] for array in (corners, slots, face))
     xy = np.ldexp(half_edges.xy.reshape(-1, 2), -triangulation.exponent)
-    source = np.full(len(xy), -1)
-    source[: len(half_edges.order)] = graph.source[half_edges.order]
-    number, kept, added = numbered(corners, source)
-    points = np.concatenate([boundary.points[kept], plane.to_space(xy[added])])
-    mesh = Mesh(points, {"triangle": number[corners]}, cell_data={"region": parts.tag[face]})
-    ends, piece = edges_on_lines(half_edges.origin, half_edges.twin, triangulation.piece_of, slots)
-    ends, line = along_lines(graph, xy, ends, triangulation.pieces[piece, 2])
-    quality.validate(mesh)
-    report = Report(
-        counts={
-            "points": mesh.n_points,
-            "triangles": mesh.n_cells,
-            "points added at crossings": int((graph.source < 0).sum()),
-        },
-        quality=quality.summary(mesh),
-        warnings=[*graph.warnings, *parts.warnings],
-    )
-    return Result(with_lines(mesh, boundary, number[ends], line) if lines else mesh, report)
+    as_it_is = Refinement(corners, parts.tag[face], xy, splits=added, insertions=0, poor=0, exhausted=False)
+    on_lines = None
+    if lines:
+        on_lines = edges_on_lines(half_edges.origin, half_edges.twin, triangulation.piece_of, slots)
+    result = assembled(boundary, plane, triangulation, parts, as_it_is, 0.0, True, on_lines)
+    del result.report.counts["points added inside"]
+    result.report.counts["points added at crossings"] = int((triangulation.graph.source < 0).sum())
+    return result

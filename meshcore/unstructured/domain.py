@@ -60,12 +60,18 @@ class Domain:
     warnings: list[str]
 
 
-def seeds(boundary: Mesh, holes: Any, regions: Any, plane: Plane) -> Seeds:
-    """Holes and regions as given, or else as ``boundary.field_data`` has them."""
+def collected_seeds(boundary: Mesh, holes: Any, regions: Any, plane: Plane, points: Mesh | None = None) -> Seeds:
+    """Holes and regions as given, else as ``boundary.field_data`` has them, and those that ``points`` mark.
+
+    Each point of ``points`` marks a hole, or, if there is a point array "tag" or "max_area", a region; in that case
+    those mark holes whose point array "hole" is not zero.
+    """
     if holes is None:
         holes = boundary.field_data.get("holes")
     if regions is None:
         regions = boundary.field_data.get("regions")
+    if points is not None:
+        holes, regions = _with_points(holes, regions, points, plane)
     if holes is not None:
         holes = _rows("holes", holes, (2, 3))
         holes = plane.to_plane(holes) if holes.shape[1] == 3 else holes
@@ -84,6 +90,33 @@ def seeds(boundary: Mesh, holes: Any, regions: Any, plane: Plane) -> Seeds:
     if regions.shape[1] > 3:
         areas = np.where(regions[:, 3] > 0, regions[:, 3], np.inf)  # as in Triangle, no limit is written as -1
     return Seeds(holes, regions[:, :2], tags.astype(np.int64), areas)
+
+
+def _with_points(holes: Any, regions: Any, points: Mesh, plane: Plane) -> tuple[Any, Any]:
+    """Rows of holes and of regions, with those that the points of a mesh mark at the end."""
+    if not isinstance(points, Mesh):
+        raise InvalidInput(f"needs a Mesh of points, got {type(points).__name__}", parameter="seeds")
+    values = {
+        name: np.ravel(points.point_data[name]) for name in ("tag", "max_area", "hole") if name in points.point_data
+    }
+    for name, given in values.items():
+        if len(given) != points.n_points or given.dtype.kind not in "iufb":
+            raise InvalidInput(f"point array {name!r} needs one number a point", parameter="seeds")
+    is_region = np.full(points.n_points, "tag" in values or "max_area" in values)
+    if "hole" in values:
+        is_region &= values["hole"] == 0
+    at = plane.to_plane(points.points)
+    more = np.column_stack(
+        [at, values.get("tag", np.arange(1, len(at) + 1)), values.get("max_area", np.full(len(at), -1.0))]
+    )
+    more[np.isnan(more[:, 3]), 3] = -1.0
+    old = _rows("holes", holes if holes is not None else [], (2, 3))
+    old = plane.to_plane(old) if old.shape[1] == 3 else old
+    given = _rows("regions", regions if regions is not None else [], (2, 3, 4))
+    # Regions without tag count from 1, and those without limit have none.
+    padding = np.column_stack([np.arange(1.0, len(given) + 1), np.full(len(given), -1.0)])
+    given = np.column_stack([given, padding[:, given.shape[1] - 2 :]])
+    return np.concatenate([old, at[~is_region]]), np.concatenate([given, more[is_region]])
 
 
 def _rows(name: str, values: Any, widths: tuple[int, ...]) -> np.ndarray:

@@ -14,8 +14,9 @@ from ..progress import Progress, advance, part_of, silent
 from ..report import Result
 from ..sizing.size_field import SizeField
 from .assembly import assembled
+from .boundary_lines import line_cells
 from .constrained import constrained
-from .domain import domain, seeds
+from .domain import collected_seeds, domain
 from .lattice import STEEPEST, filled
 from .painted import sizing
 from .planar_graph import planar_graph
@@ -28,6 +29,10 @@ def delaunay_refinement(
     background: Annotated[
         Mesh | None,
         Port("Triangles whose point array is the size wanted, over the boundary", cells=("triangle", "quad")),
+    ] = None,
+    seeds: Annotated[
+        Mesh | None,
+        Port('Points in holes; or in regions, by point arrays "tag", "max_area" and, not zero in holes, "hole"'),
     ] = None,
     *,
     min_angle: Annotated[
@@ -59,6 +64,9 @@ def delaunay_refinement(
     crossings: Annotated[
         Literal["refuse", "split"], Param("What to do where lines cross: refuse, or split both", advanced=True)
     ] = "refuse",
+    lines: Annotated[
+        bool, Param("Give the pieces of the lines too, as line cells with their tags and numbers", advanced=True)
+    ] = False,
     size_field: SizeField | None = None,
     holes: Any = None,
     regions: Any = None,
@@ -89,6 +97,9 @@ def delaunay_refinement(
         of the mesh. ``field_data`` "holes" and "regions" are used where the arguments are not given.
     background : Mesh, optional
         Triangles or quads in the plane, with the sizes at their points; see `meshcore.sizing.background_field`.
+    seeds : Mesh, optional
+        Points in holes. If it has point arrays "tag" or "max_area", its points mark regions with that tag and that
+        largest area; those whose point array "hole" is not zero mark holes all the same.
     min_angle : float
         Smallest angle, in degrees. With 0 this is the constrained Delaunay triangulation, refined for size only.
     size : Length, optional
@@ -113,6 +124,9 @@ def delaunay_refinement(
         from being as asked are counted in a warning.
     crossings : {"refuse", "split"}
         Lines that cross are an error, or are split where they cross.
+    lines : bool
+        Whether the mesh has "line" cells too: the pieces of the lines, in the order and direction of the input, with
+        ``cell_data["line"]``, the number of the input's cell, and ``cell_data["tag"]``, its tag.
     size_field : callable, optional
         Takes (m, 3) points, returns (m,) lengths: no edge is longer than the value at its triangle's centroid. See
         `meshcore.sizing.size_field.graded`.
@@ -154,14 +168,14 @@ def delaunay_refinement(
         raise InvalidInput(f"needs a Mesh of line cells, got {type(boundary).__name__}", parameter="boundary")
     if max_area == 0:
         raise InvalidInput("must be greater than zero, got 0; leave it out for no limit", parameter="max_area")
-    lines = boundary.get("line")
+    segments = boundary.get("line")
     vertices = boundary.get("vertex").ravel()
-    used = np.unique(np.concatenate([lines.ravel(), vertices]))
+    used = np.unique(np.concatenate([segments.ravel(), vertices]))
     plane = fitted_plane(boundary.points[used], parameter="boundary")
-    graph = planar_graph(plane.to_plane(boundary.points), lines, vertices, "boundary")
-    graph.line = _line_cells(boundary)[graph.line]
+    graph = planar_graph(plane.to_plane(boundary.points), segments, vertices, "boundary")
+    graph.line = line_cells(boundary)[graph.line]
     diagonal = float(np.linalg.norm(np.ptp(boundary.points[used], axis=0)))
-    marks = seeds(boundary, holes, regions, plane)
+    marks = collected_seeds(boundary, holes, regions, plane, seeds)
     mesh = constrained(
         graph, split_crossings=crossings == "split", parameter="boundary", progress=part_of(progress, 0.0, 0.2)
     )
@@ -194,13 +208,8 @@ def delaunay_refinement(
         refinement.splits += lattice.on_lines
         refinement.insertions += lattice.inside
     advance(progress, 0.9, "checking the mesh")
-    return assembled(boundary, plane, mesh, parts, refinement, min_angle, split_boundary)
-
-
-def _line_cells(boundary: Mesh) -> np.ndarray:
-    """Numbers of the line cells among all cells."""
-    where = next(where for kind, _, where in boundary.blocks() if kind == "line")
-    return np.arange(where.start, where.stop)
+    on_lines = refiner.on_lines() if lines else None
+    return assembled(boundary, plane, mesh, parts, refinement, min_angle, split_boundary, on_lines)
 
 
 def _no_lattice(min_angle: float, has_sizes: bool, split_boundary: bool) -> str:

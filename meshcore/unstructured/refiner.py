@@ -8,10 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import GenerationFailed, InvalidInput
+from ..geometry import predicates
 from ..progress import Progress, advance
 from . import _assembly_kernels as assembly_kernels
 from . import _half_edge_kernels as half_edges
 from . import _refinement_kernels as kernels
+from .boundary_lines import edges_on_lines
 from .constrained import ConstrainedTriangulation
 from .domain import Domain
 from .triangulation import grown
@@ -120,6 +122,7 @@ class Refiner:
 
     def _allocate(self) -> None:
         mesh = self.mesh.triangulation
+        mesh.scratch.work = predicates.workspace()  # points that are added lie on no grid, even if the boundary's do
         self.xy, self.origin, self.twin = mesh.xy, mesh.origin, mesh.twin
         self.piece_of, self.face, self.pieces = self.mesh.piece_of, self.mesh.face, self.mesh.pieces
         n = len(mesh.order)
@@ -180,6 +183,10 @@ class Refiner:
             poor,
             exhausted,
         )
+
+    def on_lines(self) -> tuple[np.ndarray, np.ndarray]:
+        """(p, 2) vertices of the edges on lines, and the piece of each."""
+        return edges_on_lines(self.origin, self.twin, self.piece_of, self.live()[1])
 
     def _size_rounds(self, *, with_angle: bool) -> bool:
         """Judge the triangles made since the last round by the size field, and refine, until all pass."""

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from meshcore import Cancelled, InvalidGeometry, InvalidInput, Mesh, constrained_delaunay
+from meshcore import Cancelled, InvalidGeometry, InvalidInput, Mesh, constrained_delaunay, delaunay_refinement
 from meshcore.gallery import circle, joined, square
 from tests import naive
 from tests.core.unstructured import invariants
@@ -16,8 +16,8 @@ from tests.core.unstructured.planar_graphs import comb, frame_mesh, framed_segme
 FRAME = [(0, 0), (8, 0), (8, 8), (0, 8)]
 
 
-def triangulated(boundary, **keywords):
-    return constrained_delaunay(boundary, **keywords).mesh
+def triangulated(boundary, *seeds, **keywords):
+    return constrained_delaunay(boundary, *seeds, **keywords).mesh
 
 
 def seen_inside_circle(mesh, boundary):
@@ -116,6 +116,33 @@ def test_any_lines_at_all_are_split_where_they_cross(seed, n, kind):
     if kind != "near":
         invariants.lines_as_edges(mesh, boundary)
     assert invariants.area(mesh) == 64 and invariants.euler(mesh) == 1
+
+
+@settings(max_examples=40)
+@given(long_segments(), st.randoms(use_true_random=False))
+def test_there_is_one_triangulation_whatever_the_order_of_lines(boundary, random):
+    def cells(boundary):
+        return {frozenset(t) for t in invariants.triangles(triangulated(boundary, keep="hull"))}
+
+    lines = boundary.get("line").tolist()
+    random.shuffle(lines)
+    shuffled = Mesh(boundary.points, {**boundary.cells, "line": [random.sample(line, 2) for line in lines]})
+    assert cells(shuffled) == cells(boundary)
+
+
+def test_ties_are_broken_by_the_lowest_number():
+    """Of four corners of a square the lowest is lifted: the diagonal joins its neighbours, on both sides of a wall."""
+    x, y = np.meshgrid(np.arange(7.0), np.arange(4.0))
+    points = np.column_stack([x.ravel(), y.ravel()])
+    vertex = np.arange(len(points))[:, None]
+    mesh = triangulated(Mesh(points, {"vertex": vertex, "line": [(1, 26), (3, 10)]}), keep="hull")
+    found = {frozenset(t) for t in invariants.triangles(mesh)}
+    assert {frozenset((0, 1, 7)), frozenset((1, 8, 7)), frozenset((21, 22, 14)), frozenset((22, 14, 15))} <= found
+    plain = triangulated(Mesh(points, {"vertex": vertex}), keep="hull")
+    assert found != {frozenset(t) for t in invariants.triangles(plain)}
+    for k in range(27):
+        if k % 7 < 6 and k < 21:
+            assert frozenset((k, k + 1, k + 7)) in {frozenset(t) for t in invariants.triangles(plain)}
 
 
 def test_many_lines_that_cross_one_another():
@@ -325,3 +352,37 @@ def test_it_can_be_cancelled_and_tells_progress(conforming):
     said = []
     constrained_delaunay(square(4), conforming=conforming, progress=lambda f, m: said.append(f) or True)
     assert said == sorted(said) and said[0] >= 0 and said[-1] <= 1
+
+
+# ---- seeds as points
+
+
+def test_points_mark_holes_and_regions():
+    boundary = joined(square(size=9.0), circle(12, radius=1.0, centre=(3, 3)), circle(12, radius=1.0, centre=(6, 6)))
+    expected = triangulated(boundary, holes=[[3, 3]], regions=[[1, 1, 7], [6, 6, 8]])
+    points = Mesh([[3, 3], [1, 1], [6, 6]], {}, {"tag": [0, 7, 8], "hole": [1, 0, 0]})
+    mesh = triangulated(boundary, points)
+    assert (mesh.get("triangle") == expected.get("triangle")).all()
+    assert (mesh.cell_data["region"] == expected.cell_data["region"]).all() and set(mesh.cell_data["region"]) == {7, 8}
+    holes = triangulated(boundary, Mesh([[3, 3]], {}))
+    assert holes.n_cells == triangulated(boundary, holes=[[3, 3]]).n_cells
+    some = Mesh([[6, 6, 0]], {"vertex": [[0]]}, {"tag": [8]})
+    both = triangulated(boundary, some, holes=[[3, 3]], regions=[[1, 1]])
+    assert set(both.cell_data["region"]) == {1, 8} and (both.get("triangle") == expected.get("triangle")).all()
+    mesh, _ = delaunay_refinement(boundary, seeds=Mesh([[1, 1]], {}, {"max_area": [0.1]}))
+    p = mesh.points[mesh.cells["triangle"]]
+    assert 0.5 * np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])[:, 2].max() <= 0.1
+
+
+@pytest.mark.parametrize(
+    "seeds, message",
+    [
+        ([[0.5, 0.5]], "seeds: needs a Mesh of points, got list"),
+        (Mesh([[0.5, 0.5]], {}, {"tag": [[1, 2]]}), "seeds: point array 'tag' needs one number a point"),
+        (Mesh([[0.5, 0.5]], {}, {"tag": [0.5]}), "whole numbers"),
+        (Mesh([[0.5, 0.0]], {}), "lies on a line"),
+    ],
+)
+def test_bad_seeds_are_refused(seeds, message):
+    with pytest.raises(InvalidInput, match=message):
+        constrained_delaunay(square(), seeds)
