@@ -1019,6 +1019,16 @@ class meshcoreTransfiniteInterpolation(Operation):
       <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
       <Documentation>Lines in a plane, which become edges of the mesh.</Documentation>
     </InputProperty>
+    <InputProperty name="Seeds" label="Seeds" port_index="1" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Points in holes; or in regions, by point arrays &quot;tag&quot;, &quot;max_area&quot; and, not
+      zero in holes, &quot;hole&quot;.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
     <IntVectorProperty name="Conforming" label="Conforming" command="SetConforming" number_of_elements="1" default_values="0" panel_visibility="default">
       <BooleanDomain name="bool"/>
       <Documentation>Put points on lines until every triangle is Delaunay; without, no point is added.</Documentation>
@@ -1046,7 +1056,7 @@ class meshcoreTransfiniteInterpolation(Operation):
 class meshcoreConstrainedDelaunay(Operation):
     operation = "constrained_delaunay"
     label = "meshcore Constrained Delaunay"
-    ports = (("boundary", "lines", False),)
+    ports = (("boundary", "lines", False), ("seeds", "mesh", True))
     output = "vtkUnstructuredGrid"
 
     def SetConforming(self, value):
@@ -1136,6 +1146,16 @@ class meshcoreDelaunay3D(Operation):
       <Documentation>Triangles whose point array is the size wanted, over the boundary.</Documentation>
       <Hints><Optional/></Hints>
     </InputProperty>
+    <InputProperty name="Seeds" label="Seeds" port_index="2" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Points in holes; or in regions, by point arrays &quot;tag&quot;, &quot;max_area&quot; and, not
+      zero in holes, &quot;hole&quot;.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
     <DoubleVectorProperty name="MinAngle" label="Min Angle" command="SetMinAngle" number_of_elements="1" default_values="30.0" panel_visibility="default">
       <DoubleRangeDomain name="range" min="0" max="34"/>
       <Documentation>Smallest angle of a triangle; 0 adds no points for shape, above 33 may not end, in
@@ -1157,6 +1177,10 @@ class meshcoreDelaunay3D(Operation):
       <ArrayListDomain name="array_list" none_string="None" input_domain_name="arrays"><RequiredProperties><Property name="Background" function="Input"/></RequiredProperties></ArrayListDomain>
       <Documentation>The same, of Background: it goes before one of the first input.</Documentation>
     </StringVectorProperty>
+    <StringVectorProperty name="SeedsSizeArray" label="Seeds Size Array" command="SetSeedsSizeArray" number_of_elements="1" default_values="None" panel_visibility="default">
+      <ArrayListDomain name="array_list" none_string="None" input_domain_name="arrays"><RequiredProperties><Property name="Seeds" function="Input"/></RequiredProperties></ArrayListDomain>
+      <Documentation>The same, of Seeds: it goes before one of the first input.</Documentation>
+    </StringVectorProperty>
     <DoubleVectorProperty name="Gradation" label="Gradation" command="SetGradation" number_of_elements="1" default_values="0" panel_visibility="default">
       <DoubleRangeDomain name="range" min="0"/>
       <Documentation>Largest growth of the size per unit length, such as 0.2; no limit by default; 0 leaves it
@@ -1175,25 +1199,31 @@ class meshcoreDelaunay3D(Operation):
       <EnumerationDomain name="enum"><Entry value="0" text="refuse"/><Entry value="1" text="split"/></EnumerationDomain>
       <Documentation>What to do where lines cross: refuse, or split both.</Documentation>
     </IntVectorProperty>
+    <IntVectorProperty name="Lines" label="Lines" command="SetLines" number_of_elements="1" default_values="0" panel_visibility="advanced">
+      <BooleanDomain name="bool"/>
+      <Documentation>Give the pieces of the lines too, as line cells with their tags and numbers.</Documentation>
+    </IntVectorProperty>
     <PropertyGroup label="Parameters">
       <Property name="MinAngle"/>
       <Property name="Size"/>
       <Property name="MaxArea"/>
       <Property name="SizeArray"/>
       <Property name="BackgroundSizeArray"/>
+      <Property name="SeedsSizeArray"/>
       <Property name="Gradation"/>
     </PropertyGroup>
     <PropertyGroup label="Advanced">
       <Property name="Placement"/>
       <Property name="SplitBoundary"/>
       <Property name="Crossings"/>
+      <Property name="Lines"/>
     </PropertyGroup>
     """
 )
 class meshcoreDelaunayRefinement(Operation):
     operation = "delaunay_refinement"
     label = "meshcore Delaunay Refinement"
-    ports = (("boundary", "lines", False), ("background", "mesh", True))
+    ports = (("boundary", "lines", False), ("background", "mesh", True), ("seeds", "mesh", True))
     output = "vtkUnstructuredGrid"
 
     def SetMinAngle(self, value):
@@ -1220,8 +1250,14 @@ class meshcoreDelaunayRefinement(Operation):
     def SetCrossings(self, value):
         self.set("crossings", ('refuse', 'split')[value])
 
+    def SetLines(self, value):
+        self.set("lines", bool(value))
+
     def SetBackgroundSizeArray(self, value):
         self.prefer("size_array", "background", "" if value == NO_ARRAY else value)
+
+    def SetSeedsSizeArray(self, value):
+        self.prefer("size_array", "seeds", "" if value == NO_ARRAY else value)
 
 
 
