@@ -50,10 +50,9 @@ def assembled(
     triangles = np.empty(refinement.corners.shape, np.int64)
     kernels.renumber(refinement.corners, number, triangles)
     mesh = Mesh(points, {"triangle": triangles}, cell_data={"region": refinement.tags})
-    left, right = triangulation.faces_beside
-    pieces = triangulation.pieces[parts.keep[left] | parts.keep[right], :2]
+    pieces = triangulation.pieces[triangulation.pieces_beside(parts.keep), :2]
     try:
-        quality.validate(mesh, Mesh(points, {"line": number[pieces]}))
+        quality.validate(mesh, Mesh(points, {"line": number[pieces]}) if len(pieces) else None)
     except GenerationFailed as error:
         if not refinement.exhausted:
             raise

@@ -71,6 +71,17 @@ class ConstrainedTriangulation:
         sides[backward.astype(int), piece] = self.face[half_edge >> 2]
         return sides[0], sides[1]
 
+    def pieces_beside(self, keep: np.ndarray) -> np.ndarray:
+        """(p,) bool: whether one of the faces beside each piece, by ``keep``, is meshed; beyond the hull nothing is."""
+        left, right = self.faces_beside
+        beside = keep[left] | keep[right]
+        if keep[0]:
+            half_edge = self.constrained_half_edges
+            apex = self.triangulation.origin[half_edge + np.where(half_edge & 3 == 0, 2, -1)]
+            on_hull = self.piece_of[half_edge[apex < 0]]
+            beside[on_hull] = keep[np.maximum(left, right)[on_hull]]
+        return beside
+
 
 def constrained(graph: PlanarGraph, *, split_crossings: bool, parameter: str, progress: Progress):
     """Triangulate a planar graph with its segments kept.
