@@ -92,7 +92,7 @@ class Own(NamedTuple):
     result: Any
 
 
-def in_own_process(function: Callable[..., Any], *given: Any, seconds: float = 900.0) -> Any:
+def in_own_process(function: Callable[..., Any], *given: Any, seconds: float = 1800.0) -> Any:
     """Result of a module's function in a fresh process; an exception, returned, names how that ended or what it raised.
 
     A peer that crashes or hangs on bad points takes down its own row only.
