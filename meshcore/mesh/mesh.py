@@ -225,7 +225,9 @@ def checked_points(points: Any) -> np.ndarray:
             points=bad,
         )
     if points.shape[1] == 2:
-        points = np.column_stack([points, np.zeros(len(points))])
+        flat = points
+        points = np.zeros((len(flat), 3))
+        points[:, :2] = flat
     return points
 
 

@@ -9,8 +9,20 @@ minute, three billion tetrahedra", Int. J. Numer. Meth. Engng 117 (2019), for th
 """
 
 from .._numba import kernel
-from ..geometry._predicates_kernels import ORIENT2D_BOUND, orient2d_exact
-from ._half_edge_kernels import DEAD, DONE, FULL, MORE, U, circle_side, circle_tie, next_edge, previous_edge, side_of
+from ..geometry._predicates_kernels import ORIENT2D_BOUND
+from ._half_edge_kernels import (
+    CIRCLE_BOUND,
+    DEAD,
+    DONE,
+    FULL,
+    MORE,
+    U,
+    exact_side,
+    next_edge,
+    perturbed_circle_side,
+    previous_edge,
+    side_of,
+)
 
 # Places in the state of `insert_points`: the next entry of the list of points, the next free slot and the end of the
 # free slots, the half-edge where walks start, how many points were put off, and the steps made so far.
@@ -25,8 +37,8 @@ def insert_points(
 ):  # fmt: skip
     """Insert the vertices that ``todo`` lists by Bowyer-Watson, until about ``steps`` triangles were looked at.
 
-    A triangle is in conflict if the vertex is inside its circle, ties broken by `circle_tie`; a ghost if it is strictly
-    beyond the hull edge or on the open edge. With exact signs the cavity is then star-shaped for any input.
+    A triangle is in conflict if the vertex is inside its circle, ties broken by `perturbed_circle_side`; a ghost if it
+    is strictly beyond the hull edge or on the open edge. With exact signs the cavity is then star-shaped for any input.
 
     Only triangles whose corners are all in ``low <= vertex < high`` are touched (the infinite vertex is -1). A vertex
     that needs others is put off: the front of ``todo`` is overwritten by those. A triangle with corners of two owners
@@ -62,7 +74,6 @@ def insert_points(
         bdy = xy[U(2 * b + 1)] - qy
         if side_of(xy[U(2 * a)], xy[U(2 * a + 1)], xy[U(2 * b)], xy[U(2 * b + 1)], qx, qy, work) < 0.0:
             e = int(twin[U(e)])
-            a, b = b, a
             adx, bdx = bdx, adx
             ady, bdy = bdy, ady
         owned = True
@@ -83,32 +94,26 @@ def insert_points(
             right = bdy * cdx
             beyond_bc = left - right
             if abs(beyond_bc) <= ORIENT2D_BOUND * (abs(left) + abs(right)):
-                beyond_bc = orient2d_exact(
-                    xy[U(2 * b)], xy[U(2 * b + 1)], xy[U(2 * c)], xy[U(2 * c + 1)], qx, qy, work
-                )  # fmt: skip
+                beyond_bc = exact_side(xy, int(origin[U(next_edge(e))]), c, p, work)
             left = cdx * ady
             right = cdy * adx
             beyond_ca = left - right
             if abs(beyond_ca) <= ORIENT2D_BOUND * (abs(left) + abs(right)):
-                beyond_ca = orient2d_exact(
-                    xy[U(2 * c)], xy[U(2 * c + 1)], xy[U(2 * a)], xy[U(2 * a + 1)], qx, qy, work
-                )  # fmt: skip
+                beyond_ca = exact_side(xy, c, int(origin[U(e)]), p, work)
             across_bc = int(twin[U(next_edge(e))])
             across_ca = int(twin[U(previous_edge(e))])
             if min(beyond_bc, beyond_ca) >= 0.0:
                 if adx == 0.0 and ady == 0.0:
-                    same = a
+                    same = int(origin[U(e)])
                 elif bdx == 0.0 and bdy == 0.0:
-                    same = b
+                    same = int(origin[U(next_edge(e))])
                 elif cdx == 0.0 and cdy == 0.0:
                     same = c
                 break
             first = beyond_bc < 0.0
             e = across_bc if first else across_ca
-            a = c if first else a
             adx = cdx if first else adx
             ady = cdy if first else ady
-            b = b if first else c
             bdx = bdx if first else cdx
             bdy = bdy if first else cdy
         if same >= 0 or not owned:
@@ -136,12 +141,21 @@ def insert_points(
             b = int(origin[U(f1)])
             c = int(origin[U(f2)])
             if (a | b | c) >= 0:
-                side = circle_side(
-                    xy[U(2 * a)], xy[U(2 * a + 1)], xy[U(2 * b)], xy[U(2 * b + 1)], xy[U(2 * c)], xy[U(2 * c + 1)],
-                    qx, qy, work,
+                # The filter of `circle_side`, with one call for all that may come after it.
+                adx = xy[U(2 * a)] - qx
+                ady = xy[U(2 * a + 1)] - qy
+                bdx = xy[U(2 * b)] - qx
+                bdy = xy[U(2 * b + 1)] - qy
+                cdx = xy[U(2 * c)] - qx
+                cdy = xy[U(2 * c + 1)] - qy
+                al = adx * adx + ady * ady
+                bl = bdx * bdx + bdy * bdy
+                cl = cdx * cdx + cdy * cdy
+                side = (
+                    al * (bdx * cdy - cdx * bdy) + bl * (cdx * ady - adx * cdy) + cl * (adx * bdy - bdx * ady)
                 )  # fmt: skip
-                if side == 0.0:
-                    side = circle_tie(xy, order, a, b, c, p, work)
+                if abs(side) <= CIRCLE_BOUND * (al * bl + cl * (al + bl)):
+                    side = perturbed_circle_side(xy, order, a, b, c, p, work)
                 conflict = side > 0.0
             else:
                 if c < 0:
@@ -191,10 +205,6 @@ def insert_points(
         count += 2
         cavity[U(n_cavity)] = slot
         cavity[U(n_cavity + 1)] = slot + 4
-        origin[U(slot + 3)] = 0
-        origin[U(slot + 7)] = 0
-        twin[U(slot + 3)] = 0
-        twin[U(slot + 7)] = 0
         slot = int(cavity[0])
         before = int(cavity[U(n_ring - 1)])
         a = int(ring_from[0])
@@ -308,6 +318,8 @@ def canonical_cells(origin, n_triangles, place, order, counts, cells, cell):
     front.
     """
     ranked = len(place) > 0
+    numbered = len(cell) > 0
+    cell[:] = -1
     counts[:] = 0
     for t in range(n_triangles):
         a = int(origin[U(4 * t)])
@@ -366,14 +378,12 @@ def canonical_cells(origin, n_triangles, place, order, counts, cells, cell):
             cells[U(j + 1), 0] = a
             cells[U(j + 1), 1] = b
             cells[U(j + 1), 2] = c
+        for i in range(first, last):
+            if numbered:
+                slot = cells[U(i), 0] >> 32
+                cell[U(slot >> 2)] = 4 * i + (slot & 3)
+            cells[U(i), 0] = order[U(cells[U(i), 0] & 0xFFFFFFFF)]
+            cells[U(i), 1] = order[U(cells[U(i), 1])]
+            cells[U(i), 2] = order[U(cells[U(i), 2] & 0xFFFFFFFF)]
         first = last
-    if len(cell) > 0:
-        cell[:] = -1
-    for i in range(total):
-        if len(cell) > 0:
-            slot = cells[U(i), 0] >> 32
-            cell[U(slot >> 2)] = 4 * i + (slot & 3)
-        cells[U(i), 0] = order[U(cells[U(i), 0] & 0xFFFFFFFF)]
-        cells[U(i), 1] = order[U(cells[U(i), 1])]
-        cells[U(i), 2] = order[U(cells[U(i), 2] & 0xFFFFFFFF)]
     return total

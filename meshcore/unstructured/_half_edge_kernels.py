@@ -25,7 +25,7 @@ DONE, MORE, FULL, FAILED = 0, 1, 2, 3
 U = np.uint64
 
 # A little above the bound for the permanent itself, for the rounding of what stands in its place.
-_CIRCLE_BOUND = INCIRCLE_BOUND * (1 + 2.0**-40)
+CIRCLE_BOUND = INCIRCLE_BOUND * (1 + 2.0**-40)
 
 
 @kernel(inline=True)
@@ -77,20 +77,34 @@ def circle_side(ax, ay, bx, by, cx, cy, qx, qy, work):
     cl = cdx * cdx + cdy * cdy
     det = al * (bc - cb) + bl * (ca - ac) + cl * (ab - ba)
     # At least the permanent: |bx cy| + |cx by| <= |b| |c| <= (bl + cl) / 2 by Cauchy and Schwarz, and so on.
-    if abs(det) > _CIRCLE_BOUND * (al * bl + cl * (al + bl)):
+    if abs(det) > CIRCLE_BOUND * (al * bl + cl * (al + bl)):
         return det
     return incircle_exact(ax, ay, bx, by, cx, cy, qx, qy, work)
 
 
 @kernel
-def circle_tie(xy, order, a, b, c, q, work):
-    """Whether vertex q counts as inside (1) or outside (-1) the circle through a, b, c that it lies on.
+def exact_side(xy, a, b, q, work):
+    """`side_of` for vertices, where its filter has failed."""
+    return orient2d_exact(
+        xy[U(2 * a)], xy[U(2 * a + 1)], xy[U(2 * b)], xy[U(2 * b + 1)], xy[U(2 * q)], xy[U(2 * q + 1)], work
+    )
+
+
+@kernel
+def perturbed_circle_side(xy, order, a, b, c, q, work):
+    """`circle_side` for vertices, where its filter has failed; never zero: ties are broken by symbolic perturbation.
 
     Vertex v is lifted to |v|^2 + eps^(order[v] + 1), eps smaller than anything, so that the lowest number decides. The
     determinant is linear in the lifts; the coefficient of each is the orientation of the three others, which is never
     zero on a circle (Edelsbrunner and Muecke 1990; Devillers and Teillaud 2011). The answer depends on the points and
     their numbers only, not on the order of insertion.
     """
+    side = incircle_exact(
+        xy[U(2 * a)], xy[U(2 * a + 1)], xy[U(2 * b)], xy[U(2 * b + 1)], xy[U(2 * c)], xy[U(2 * c + 1)],
+        xy[U(2 * q)], xy[U(2 * q + 1)], work,
+    )  # fmt: skip
+    if side != 0.0:
+        return side
     i = order[U(a)]
     j = order[U(b)]
     k = order[U(c)]
@@ -103,7 +117,7 @@ def circle_tie(xy, order, a, b, c, q, work):
         u, v = c, a
     else:
         u, v = a, b
-    return side_of(xy[U(2 * u)], xy[U(2 * u + 1)], xy[U(2 * v)], xy[U(2 * v + 1)], xy[U(2 * q)], xy[U(2 * q + 1)], work)
+    return exact_side(xy, u, v, q, work)
 
 
 @kernel

@@ -258,7 +258,14 @@ def write_order(packed, n, last_round, places, order):
 @kernel
 def gather(points, dimension, order, coordinates):
     """Copy the coordinates of points in their order."""
+    if dimension == 2:
+        for i in range(len(order)):
+            row = U(order[U(i)])
+            coordinates[U(2 * i)] = points[row, U(0)]
+            coordinates[U(2 * i + 1)] = points[row, U(1)]
+        return
     for i in range(len(order)):
         row = U(order[U(i)])
-        for k in range(dimension):
-            coordinates[U(dimension * i + k)] = points[row, k]
+        coordinates[U(3 * i)] = points[row, U(0)]
+        coordinates[U(3 * i + 1)] = points[row, U(1)]
+        coordinates[U(3 * i + 2)] = points[row, U(2)]

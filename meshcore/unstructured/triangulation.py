@@ -19,6 +19,7 @@ from . import _half_edge_kernels as half_edges
 from .half_edge_arrays import Scratch, grown
 from .insertion_order import InsertionOrder, insertion_order
 from .point_insertion import insert, insert_on_threads
+from .thin_clouds import planar_order
 
 __all__ = ["Scratch", "Triangulation", "grown", "triangulated"]
 
@@ -84,10 +85,7 @@ class Triangulation:
     def __init__(self, xy: np.ndarray, order: np.ndarray, quantum: float):
         n = len(order)
         self.xy, self._order, self.n_vertices, self.quantum = xy, order, n, quantum
-        # All words of a slot are written when it is first used; of the spare ones only the flags must be clear.
-        self.origin, self.twin = (np.empty(4 * (2 * n + 8), np.int32) for _ in range(2))
-        self.origin[8 * n - 32 :] = 0
-        self.twin[8 * n - 32 :] = 0
+        self.origin, self.twin = (np.zeros(4 * (2 * n + 8), np.int32) for _ in range(2))
         self.n_triangles = self.start = 0
         self.scratch = Scratch(quantum)
         # Of the points as the caller gave them; `from_points` fills these in.
@@ -175,7 +173,7 @@ class Triangulation:
         """For each vertex its place along the curve of all points; empty if that is its number."""
         if not self._added:
             return np.empty(0, np.int32)
-        rows = insertion_order(np.ldexp(self.points, self.exponent), 2, rounds=False).rows
+        rows = planar_order(np.ldexp(self.points, self.exponent))[0].rows
         place = np.empty(self.n_vertices, np.int32)
         place[self.vertex_of[rows]] = np.arange(len(rows))
         return place
@@ -318,17 +316,17 @@ def triangulated(
         If there are fewer than three different points, or all lie on one line.
     """
     _check_count(len(points), parameter)
-    order = insertion_order(points, 2, rounds=False, progress=part_of(progress, 0.0, 0.2))
+    order, thin = planar_order(points, part_of(progress, 0.0, 0.2))
     corners = _first_triangle(order.coordinates.reshape(-1, 2), parameter)
     mesh = Triangulation(order.coordinates, order.rows, predicates.quantum_of(points))
     mesh._points, mesh.n_points, mesh.merged, mesh.kept = points, len(points), order.merged, order.kept
     mesh.origin[:16], mesh.twin[:16] = _FIRST_ORIGIN, _FIRST_TWIN
     mesh.origin[_FIRST_CORNERS] = np.array(corners)[mesh.origin[_FIRST_CORNERS]]
     mesh.n_triangles = 4
-    rounds = [part[~np.isin(part, corners)] for part in _rounds(len(mesh.order))]
+    rounds = _rounds(len(mesh.order), corners, () if thin else _STRIDES)
     threads = _threads(threads, len(mesh.order))
     progress = part_of(progress, 0.2, 1.0)
-    if threads > 1:
+    if threads > 1 and not thin:
         insert(mesh, rounds[0], part_of(progress, 0.0, 0.05))
         insert_on_threads(mesh, np.concatenate(rounds[1:]), threads, part_of(progress, 0.05, 1.0))
     else:
@@ -336,14 +334,16 @@ def triangulated(
     return mesh
 
 
-def _rounds(n: int) -> list[np.ndarray]:
-    """The numbers below n, int32, in the order of insertion: first every so many along the curve, then the others."""
+def _rounds(n: int, corners: tuple[int, int, int], strides: tuple[int, ...]) -> list[np.ndarray]:
+    """The numbers below n but the corners, int32, in rounds: first every so many along the curve, then the others."""
+    numbers = np.arange(n, dtype=np.int32)
+    waiting = np.ones(n, bool)
+    waiting[list(corners)] = False
     rounds = []
-    rest = np.arange(n, dtype=np.int32)
-    for stride in _STRIDES:
-        rounds.append(rest[rest % stride == 0])
-        rest = rest[rest % stride != 0]
-    return [*rounds, rest]
+    for stride in strides:
+        rounds.append(numbers[::stride][waiting[::stride]])
+        waiting[::stride] = False
+    return [*rounds, numbers[waiting]]
 
 
 def _threads(wanted: int | None, n: int) -> int:

@@ -13,6 +13,7 @@ from meshcore import Cancelled, InvalidGeometry, InvalidInput, Mesh, Triangulati
 from meshcore.geometry.location import locate
 from meshcore.unstructured import point_insertion
 from meshcore.unstructured import triangulation as module
+from meshcore.unstructured.thin_clouds import planar_order
 from tests import naive, naive_delaunay
 from tests.core.unstructured import invariants
 
@@ -54,6 +55,7 @@ def clouds():
         "circle and centre": np.append(np.column_stack([np.cos(angle), np.sin(angle)]), [[0, 0]], axis=0),
         "clumps": (rng.random((20, 1, 2)) + 1e-9 * rng.normal(size=(20, 100, 2))).reshape(-1, 2),
         "line up to rounding": np.column_stack([x, 0.3 * x + 0.1]),
+        "line up to rounding, and an apex": np.column_stack([x, np.where(np.arange(1500) == 700, 1.0, 0.3 * x + 0.1)]),
         "two lines": np.column_stack([x, np.arange(1500) % 2]),
         "duplicates": rng.integers(0, 30, (3000, 2)).astype(float),
     }
@@ -120,6 +122,36 @@ def test_the_cells_do_not_depend_on_threads_nor_on_the_way_there(name, monkeypat
     copied = Triangulation.from_points(points[:50])
     copied.add(points[50:])
     assert cells(copied.mesh()) == expected
+
+
+def test_points_near_a_line_are_inserted_along_it():
+    x = np.random.default_rng(12).random(4000)
+    steps = []
+    for n in (1000, 4000):
+        points = np.column_stack([x[:n], 0.3 * x[:n] + 0.1])
+        order, thin = planar_order(points)
+        assert thin and order.rows.tolist() == np.argsort(x[:n]).tolist()
+        state = steps_of(points)
+        steps.append(state / n)
+    assert max(steps) < 12 and steps[1] < 1.2 * steps[0]
+    assert not planar_order(CLOUDS["uniform"])[1] and not planar_order(CLOUDS["two lines"])[1]
+
+
+def steps_of(points):
+    """How many triangles insertion looks at."""
+    made = []
+    step = point_insertion.Insertion.step
+
+    class Counting(point_insertion.Insertion):
+        def step(self):
+            more = step(self)
+            made.append(int(self.state[point_insertion.kernels.STEPS]))
+            return more
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(point_insertion, "Insertion", Counting)
+        delaunay_2d(points, threads=1)
+    return max(made)
 
 
 def test_shuffled_points_without_ties_give_the_same_triangles():
