@@ -91,20 +91,14 @@ def exact_side(xy, a, b, q, work):
 
 
 @kernel
-def perturbed_circle_side(xy, order, a, b, c, q, work):
-    """`circle_side` for vertices, where its filter has failed; never zero: ties are broken by symbolic perturbation.
+def circle_tie(xy, order, a, b, c, q, work):
+    """Whether vertex q counts as inside (1) or outside (-1) the circle through a, b, c that it lies on.
 
     Vertex v is lifted to |v|^2 + eps^(order[v] + 1), eps smaller than anything, so that the lowest number decides. The
     determinant is linear in the lifts; the coefficient of each is the orientation of the three others, which is never
     zero on a circle (Edelsbrunner and Muecke 1990; Devillers and Teillaud 2011). The answer depends on the points and
     their numbers only, not on the order of insertion.
     """
-    side = incircle_exact(
-        xy[U(2 * a)], xy[U(2 * a + 1)], xy[U(2 * b)], xy[U(2 * b + 1)], xy[U(2 * c)], xy[U(2 * c + 1)],
-        xy[U(2 * q)], xy[U(2 * q + 1)], work,
-    )  # fmt: skip
-    if side != 0.0:
-        return side
     i = order[U(a)]
     j = order[U(b)]
     k = order[U(c)]
@@ -118,6 +112,16 @@ def perturbed_circle_side(xy, order, a, b, c, q, work):
     else:
         u, v = a, b
     return exact_side(xy, u, v, q, work)
+
+
+@kernel
+def perturbed_circle_side(xy, order, a, b, c, q, work):
+    """`circle_side` for vertices, where its filter has failed; never zero: ties are broken by `circle_tie`."""
+    side = incircle_exact(
+        xy[U(2 * a)], xy[U(2 * a + 1)], xy[U(2 * b)], xy[U(2 * b + 1)], xy[U(2 * c)], xy[U(2 * c + 1)],
+        xy[U(2 * q)], xy[U(2 * q + 1)], work,
+    )  # fmt: skip
+    return side if side != 0.0 else circle_tie(xy, order, a, b, c, q, work)
 
 
 @kernel
