@@ -9,6 +9,7 @@ from ..geometry.plane import Plane
 from ..mesh import Mesh
 from ..sizing.background import background_field, checked_sizes, only_array
 from ..sizing.gradation import checked_gradation, limited, limited_field
+from ..sizing.on_curves import boundary_spacing
 from ..sizing.size_field import SizeField, evaluated, smallest
 from .constrained import ConstrainedTriangulation
 from .domain import Domain
@@ -95,8 +96,12 @@ def sizing(
         )
     elif size_array or (gradation is not None and size_field is None):
         names.append("size_array" if size_array else "gradation")
-        carrier = _carrier(plane, triangulation, domain)
-        sizes = _painted(boundary, size_array, triangulation) if size_array else _spacing(triangulation)
+        carrier, graph = _carrier(plane, triangulation, domain), triangulation.graph
+        sizes = (
+            _painted(boundary, size_array, triangulation)
+            if size_array
+            else boundary_spacing(Mesh(graph.points, {"line": graph.segments}))
+        )
         fields.append(background_field(carrier, sizes if gradation is None else limited(carrier, sizes, gradation)))
     if not fields:
         return None
@@ -127,18 +132,6 @@ def _painted(boundary: Mesh, name: str, triangulation: ConstrainedTriangulation)
     share = np.linalg.norm(part, axis=1) / np.linalg.norm(whole, axis=1)
     np.minimum.at(values, crossing, (1 - share) * sizes[ends[:, 0]] + share * sizes[ends[:, 1]])
     return values
-
-
-def _spacing(triangulation: ConstrainedTriangulation) -> np.ndarray:
-    """(n,) mean length of the segments at each point of the graph; infinite where there are none."""
-    graph = triangulation.graph
-    a, b = graph.points[graph.segments].transpose(1, 0, 2)
-    length = np.repeat(np.linalg.norm(b - a, axis=1), 2)
-    n = len(graph.points)
-    count = np.bincount(graph.segments.ravel(), minlength=n)
-    total = np.bincount(graph.segments.ravel(), length, minlength=n)
-    loose = total[count > 0].max() if len(length) else 1.0
-    return np.divide(total, count, out=np.full(n, loose), where=count > 0)
 
 
 def _grid(triangulation: ConstrainedTriangulation, plane: Plane) -> Mesh:

@@ -122,6 +122,24 @@ def test_cells_and_lengths_arrive(loop, tmp_path, call):
     assert mc.io.read(tmp_path / "g.vts").shape == (41, 21, 1)
 
 
+def test_sizes_of_a_second_file_or_of_the_first_reach_the_operation(loop, tmp_path, call):
+    corners = [[-1, -1], [4, -1], [-1, 4]]
+    background = mc.Mesh(corners, {"triangle": [[0, 1, 2]]}, {"h": np.array([0.04, 0.29, 0.04])})
+    mc.io.write(tmp_path / "sizes.vtu", background)
+    out = tmp_path / "out.vtu"
+    code, _, err = call("delaunay-refinement", loop, tmp_path / "sizes.vtu", "--size-array", "h", "-o", out, "--quiet")
+    assert (code, err) == (0, "")
+    assert mc.io.read(out).n_cells == mc.delaunay_refinement(gallery.square(8), background, size_array="h")[0].n_cells
+    painted = gallery.square(8).with_point_data(h=0.02 + 0.1 * gallery.square(8).points[:, 0])
+    mc.io.write(tmp_path / "painted.vtp", painted)
+    words = ("--size-array", "h", "--gradation", "0.3", "-o", out, "--quiet")
+    assert call("delaunay-refinement", tmp_path / "painted.vtp", *words)[0] == 0
+    direct = mc.delaunay_refinement(painted, size_array="h", gradation=0.3)[0]
+    assert mc.io.read(out).n_cells == direct.n_cells
+    code, _, err = call("discretised", loop, tmp_path / "sizes.vtu", "--size-array", "heat", "-o", out)
+    assert code == 1 and "no point array 'heat'; there are: h" in err
+
+
 def test_holes_of_a_poly_file_reach_the_operation(tmp_path, call):
     """A point between the outline and an inner square empties what the even-odd rule alone would fill."""
     outline = gallery.joined(gallery.square(), gallery.square(size=0.25))

@@ -69,7 +69,7 @@ def test_a_tilted_boundary_is_meshed_as_a_flat_one():
     sizes = np.random.default_rng(5).uniform(0.02, 0.2, square.n_points)
     tilted, _ = delaunay_refinement(square.with_points(square.points @ turn.T).with_point_data(h=sizes), size_array="h")
     flat, _ = delaunay_refinement(square.with_point_data(h=sizes), size_array="h")
-    assert abs(tilted.n_cells / flat.n_cells - 1) < 0.02
+    assert abs(tilted.n_cells / flat.n_cells - 1) < 0.05
     back, _ = delaunay_refinement(
         square.with_points(square.points @ turn.T), BIG.with_points(BIG.points @ turn.T), size_array="h"
     )
