@@ -78,12 +78,13 @@ class Source:
     parts: tuple[Source, ...] = ()
 
 
-def read(context: Any, ob: Any, kinds: Sequence[str]) -> Source:
+def read(context: Any, ob: Any, kinds: Sequence[str], groups: Sequence[str] = ()) -> Source:
     """An object as a mesh of the kinds of cell that an input accepts.
 
     Where lines are asked for and no faces, that is: loose edges and the open boundary of faces, or in Edit Mode the
     selected edges (a selected region gives its outline). Where triangles are asked for, all faces are triangulated.
-    Where no kind is asked for, all vertices are taken, with or without faces.
+    Where no kind is asked for, all vertices are taken, with or without faces. Of vertex groups, those that ``groups``
+    names become point data.
 
     Raises
     ------
@@ -115,7 +116,8 @@ def read(context: Any, ob: Any, kinds: Sequence[str]) -> Source:
         used = np.full(len(points), not kinds)
         for nodes in cells.values():
             used[nodes] = True
-        point_data = {name: values[used] for name, values in attributes(data, "POINT").items()}
+        at_points = {**weights(ob, ob.data if original else data, groups), **attributes(data, "POINT")}
+        point_data = {name: values[used] for name, values in at_points.items()}
     number = np.cumsum(used) - 1
     vertices = np.flatnonzero(used)
     cells = {kind: number[nodes] for kind, nodes in cells.items() if len(nodes)}
@@ -211,6 +213,22 @@ def attributes(data: Any, domain: str) -> dict[str, np.ndarray]:
             # meshcore computes with 64 bits; arithmetic on 32 would lose what digits there are.
             plain = attribute.name.removesuffix(f".{domain.lower()}")
             found[plain] = values.astype(float) if dtype is np.float32 else values
+    return found
+
+
+def weights(ob: Any, data: Any, names: Sequence[str]) -> dict[str, np.ndarray]:
+    """The weights of vertex groups as numbers; vertices outside a group have the largest weight that is in it."""
+    found = {}
+    for name in names:
+        group = ob.vertex_groups.get(name) if ob.type == "MESH" else None
+        if group is None:
+            continue
+        values = np.full(len(data.vertices), -1.0)
+        for k, vertex in enumerate(data.vertices):
+            for one in vertex.groups:
+                if one.group == group.index:
+                    values[k] = float(str(np.float32(one.weight)))
+        found[name] = np.where(values < 0, values.max(initial=0.0), values)
     return found
 
 

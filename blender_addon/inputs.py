@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -66,11 +67,14 @@ def wanted_text(declaration: dict[str, Any]) -> str:
     return f"{len(ports)} curves ({', '.join(ports)}), or one closed curve"
 
 
-def gather(context: Any, declaration: dict[str, Any], chosen: dict[str, str] | None = None) -> list[Source]:
+def gather(
+    context: Any, declaration: dict[str, Any], chosen: dict[str, str] | None = None, groups: Sequence[str] = ()
+) -> list[Source]:
     """The inputs in the order of the ports: the active object first, then the other selected ones.
 
     A single input of lines takes all selected objects together, such as an outline and its holes. Inputs `by_name` come
-    last; ``chosen`` has the names of their objects, and these do not count as selected.
+    last; ``chosen`` has the names of their objects, and these do not count as selected. Vertex groups among ``groups``
+    are read as point data.
 
     Raises
     ------
@@ -82,8 +86,9 @@ def gather(context: Any, declaration: dict[str, Any], chosen: dict[str, str] | N
     named = {
         name: _object(chosen[name], port) for name, port in by_name(declaration).items() if (chosen or {}).get(name)
     }
-    sources = _gathered(context, declaration, list(named.values()))
-    return sources + [read(context, ob, declaration["inputs"][name]["cells"]) for name, ob in named.items()]
+    sources = _gathered(context, declaration, list(named.values()), groups)
+    ports = declaration["inputs"]
+    return sources + [read(context, ob, ports[name]["cells"], groups) for name, ob in named.items()]
 
 
 def _object(name: str, port: dict[str, Any]) -> Any:
@@ -96,7 +101,7 @@ def _object(name: str, port: dict[str, Any]) -> Any:
     return ob
 
 
-def _gathered(context: Any, declaration: dict[str, Any], left_out: list[Any]) -> list[Source]:
+def _gathered(context: Any, declaration: dict[str, Any], left_out: list[Any], groups: Sequence[str]) -> list[Source]:
     """The inputs that are selected."""
     ports = list(_selected_ports(declaration).values())
     if not ports:
@@ -111,10 +116,10 @@ def _gathered(context: Any, declaration: dict[str, Any], left_out: list[Any]) ->
         others.sort(key=lambda ob: ob.name)
     if len(ports) == 1:
         everything = [active, *others] if _lines_only(ports[0]) else [active]
-        return [_joined([read(context, ob, ports[0]["cells"]) for ob in everything])]
+        return [_joined([read(context, ob, ports[0]["cells"], groups) for ob in everything])]
     if 1 + len(others) not in (1, len(ports)):
         raise ReadingFailed(f"{1 + len(others)} objects are selected; select {wanted_text(declaration)}")
-    sources = [read(context, ob, port["cells"]) for ob, port in zip([active, *others], ports, strict=False)]
+    sources = [read(context, ob, port["cells"], groups) for ob, port in zip([active, *others], ports, strict=False)]
     return in_order(sources) if all(map(_lines_only, ports)) else sources
 
 

@@ -52,7 +52,7 @@ class OperationBase:
     def invoke(self, context: Any, event: Any) -> set[str]:
         """Fill in lengths that depend on the input, and compute in the background."""
         try:
-            self._sources = inputs.gather(context, self.declaration, self._chosen())
+            self._sources = inputs.gather(context, self.declaration, self._chosen(), self._arrays())
             self._fill_lengths()
             self._job = Job(self._call(context))
         except Exception as error:  # whatever it is, the user gets one line and keeps the scene
@@ -90,7 +90,7 @@ class OperationBase:
         manager.progress_begin(0, 100)
         context.workspace.status_text_set(f"meshcore: {COMPILING}")
         try:
-            self._sources = inputs.gather(context, self.declaration, self._chosen())
+            self._sources = inputs.gather(context, self.declaration, self._chosen(), self._arrays())
             self._job = Job(self._call(context), lambda fraction, message: manager.progress_update(int(100 * fraction)))
             self._job.run()
         except Exception as error:  # whatever it is, the user gets one line and keeps the scene
@@ -112,6 +112,13 @@ class OperationBase:
     def _chosen(self) -> dict[str, str]:
         """The names of the objects that the properties choose."""
         return {name: getattr(self, name) for name in inputs.by_name(self.declaration)}
+
+    def _arrays(self) -> list[str]:
+        """The names of arrays that the properties ask for."""
+        params = self.declaration["params"]
+        return [
+            getattr(self, name) for name, declared in params.items() if declared.get("array") and getattr(self, name)
+        ]
 
     def _call(self, context: Any) -> functools.partial:
         """The operation with its inputs and parameters, ready for any thread."""

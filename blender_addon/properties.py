@@ -122,7 +122,7 @@ def _objects_with_faces(self: Any, context: Any, typed: str) -> list[str]:
 
 
 def _attribute_names(self: Any, context: Any, typed: str) -> list[str]:
-    """Number attributes of the active object and of those chosen by name, for the field that names one."""
+    """Number attributes and vertex groups of the active object and of those chosen by name."""
     ports = {name for declared in registry()["operations"].values() for name in inputs.by_name(declared)}
     chosen = [context.scene.objects.get(getattr(self, name, "")) for name in sorted(ports)]
     found = [
@@ -133,6 +133,7 @@ def _attribute_names(self: Any, context: Any, typed: str) -> list[str]:
         and attribute.data_type in ("FLOAT", "INT")
         and not attribute.name.startswith(".")
     ]
+    found += [group.name for ob in (context.object, *chosen) for group in getattr(ob, "vertex_groups", ())]
     return [name for name in dict.fromkeys(found) if typed.lower() in name.lower()]
 
 

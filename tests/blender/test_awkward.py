@@ -179,7 +179,7 @@ def test_what_nobody_foresaw_is_reported_with_its_place_in_the_console(installed
     scene.add_mesh("square", SQUARE, LOOP)
     inputs = scene.addon("inputs")
 
-    def broken(context, declaration):
+    def broken(*arguments):
         raise ZeroDivisionError("a fault of ours")
 
     monkeypatch.setattr(inputs, "gather", broken)

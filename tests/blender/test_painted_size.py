@@ -71,6 +71,27 @@ def test_outline_and_hole_painted_alike_are_joined_with_their_sizes(outline):
     assert beside.any() and longest[beside].max() < 0.04
 
 
+def test_a_weight_painted_vertex_group_is_a_size_in_blender_units(outline):
+    """Vertices outside the group take its largest weight."""
+    corners = [(-1, -1, 0), (3, -1, 0), (3, 3, 0), (-1, 3, 0)]
+    background = scene.add_mesh("sizes", corners, [], [(0, 1, 2), (0, 2, 3)])
+    group = background.vertex_groups.new(name="painted")
+    group.add([0, 3], 0.03, "REPLACE")
+    group.add([1], 0.23, "REPLACE")
+    scene.activate(outline)
+    assert bpy.ops.meshcore.delaunay_refinement(background="sizes", size_array="painted") == {"FINISHED"}
+    assert_sizes_follow(scene.active(), lambda p: 0.03 + 0.05 * (p[:, 0] + 1))
+    group = outline.vertex_groups.new(name="painted")
+    group.add([0, 3], 0.02, "REPLACE")
+    group.add([1, 2], 0.2, "REPLACE")
+    scene.activate(outline)
+    assert bpy.ops.meshcore.delaunay_refinement(size_array="painted") == {"FINISHED"}
+    assert_sizes_follow(scene.active(), lambda p: 0.02 + 0.18 * p[:, 0])
+    properties = scene.addon("properties")
+    scene.activate(outline)
+    assert properties._attribute_names(None, bpy.context, "") == ["size", "painted"]
+
+
 @pytest.mark.parametrize(
     "keywords, message",
     [
