@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from meshcore import InvalidGeometry, InvalidInput, Mesh, delaunay_refinement, gallery
+from meshcore.geometry.curves import lines_through
 from meshcore.sizing.background import background_field
 from meshcore.sizing.gradation import limited
 
@@ -59,6 +60,23 @@ def test_sizes_are_not_carried_across_a_hole():
     left = (middle[:, 0] < 0.3) & (np.abs(middle[:, 1]) < 0.2)
     assert longest[right].max() < 0.025
     assert np.median(longest[left]) > 0.08
+
+
+def test_gradation_goes_around_a_hole_not_across_it():
+    side = np.linspace(-0.5, 0.5, 5)
+    slot = lines_through(
+        np.concatenate([np.column_stack([np.full(5, 0.52), side]), np.column_stack([np.full(5, 0.48), side[::-1]])]),
+        closed=True,
+    )
+    outer = Mesh([[0, -1], [1, -1], [1, 1], [0, 1]], gallery.square().cells)
+    boundary = gallery.joined(outer, slot)
+    sizes = np.where(boundary.points[:, 0] == 0.52, 0.02, 0.4)
+    mesh, _ = delaunay_refinement(boundary.with_point_data(h=sizes), size_array="h", gradation=0.3, min_angle=0)
+    corners = mesh.points[mesh.cells["triangle"]]
+    beside = (corners == [0.48, 0.0, 0.0]).all(axis=2).any(axis=1)
+    across, around = 0.02 + 0.3 * 0.04, 0.02 + 0.3 * 0.54
+    assert 3 * across < 0.1 < around
+    assert longest_edges(mesh)[beside].min() > 0.1
 
 
 def test_a_tilted_boundary_is_meshed_as_a_flat_one():
