@@ -1,4 +1,4 @@
-"""Kernels that change tetrahedra locally: some cells replaced by others, compaction, the map from vertices to cells.
+"""Kernels that change tetrahedra locally: some cells replaced by others; and compaction.
 
 Every flip, removal of an edge and recovery of a facet ends in `replace_cavity`. It looks at the whole change before it
 writes anything: what does not fit is refused, and leaves no trace. The layout stands in `_tetrahedra_kernels`.
@@ -270,18 +270,6 @@ def replace_cavity(points, cells, planes, region, facet_id, cell_of, old, new, m
     if cells[16 * state[HINT]] < 0:
         state[HINT] = made[0]
     return DONE
-
-
-@kernel
-def set_cell_of(cells, n_cells, cell_of):
-    """Write for each vertex a live cell at it, a finite one where there is one; -1 for a vertex without any."""
-    cell_of[:] = -1
-    for t in range(n_cells):
-        if cells[U(16 * t)] >= 0:
-            for k in range(4):
-                v = np.int64(cells[U(16 * t + k)])
-                if v >= 0:
-                    cell_of[U(v)] = t
 
 
 @kernel

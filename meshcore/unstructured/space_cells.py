@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..errors import GenerationFailed
 from ..geometry import predicates
 from . import _cavity_kernels as cavity_kernels
 from . import _delaunay_3d_kernels as kernels
@@ -12,6 +13,9 @@ from . import _tetrahedra_query_kernels as queries
 
 _CELLS_A_POINT = 7.2  # of uniform points 6.77, and as many are ever in use at once
 _CACHE_LINE = 64
+# A neighbour is a cell's number times eight in 32 bits; of the numbers some are left for ghosts and the cavity.
+MAX_CELLS = 2**28 - 1
+MAX_POINTS = int(MAX_CELLS / _CELLS_A_POINT) - 1024
 
 
 class Lists:
@@ -90,8 +94,19 @@ class SpaceCells:
         return len(self.cells) // 16
 
     def grow(self) -> None:
-        """Make room for half as many cells again."""
-        self._set_capacity(self.capacity + self.capacity // 2, self.n_cells)
+        """Make room for half as many cells again.
+
+        Raises
+        ------
+        GenerationFailed
+            If there are as many as can be numbered.
+        """
+        if self.capacity >= MAX_CELLS:
+            raise GenerationFailed(
+                f"the triangulation of {self.n_vertices} points needs more than {MAX_CELLS} tetrahedra, which happens "
+                "for points along two skew lines or curves; use fewer points"
+            )
+        self._set_capacity(min(MAX_CELLS, self.capacity + self.capacity // 2), self.n_cells)
 
     def _set_capacity(self, capacity: int, used: int = 0) -> None:
         raw = np.empty(_CACHE_LINE * (capacity + 1), np.uint8)
@@ -142,12 +157,9 @@ class SpaceCells:
     def require(self, *names: str) -> None:
         """Make side arrays, all zero, or the map ``cell_of``; from then on insertion and `replace` keep them."""
         for name in names:
-            if len(getattr(self, name)):
-                continue
             if name == "cell_of":
-                self.cell_of = np.empty(self.n_vertices, np.int32)
-                cavity_kernels.set_cell_of(self.cells, self.n_cells, self.cell_of)
-            else:
+                self.map_vertices()
+            elif not len(getattr(self, name)):
                 setattr(self, name, np.zeros(self.capacity * {"region": 1, "facet_id": 4}[name], np.int32))
 
     def constrain(self, cell: int, facet: int, number: int = 0) -> None:

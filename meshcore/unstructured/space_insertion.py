@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import os
 import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..errors import GenerationFailed, InvalidGeometry
+from ..errors import GenerationFailed, InvalidGeometry, InvalidInput
 from ..geometry import predicates
 from ..progress import Progress, advance, part_of, silent
 from . import _delaunay_3d_kernels as kernels
 from . import _insertion_order_kernels as order_kernels
 from . import _tetrahedra_kernels as layout
 from .insertion_order import insertion_order
-from .space_cells import Lists, SpaceCells
+from .space_cells import MAX_POINTS, Lists, SpaceCells
 
 _POINTS_A_CHUNK = 20_000
 _CELLS_A_RANGE = 32_768
@@ -80,6 +82,8 @@ def space_order(points: np.ndarray, progress: Progress = silent) -> SpaceOrder:
     InvalidGeometry
         If the points do not span space.
     """
+    if len(points) > MAX_POINTS:
+        raise InvalidInput(f"has {len(points)} points; at most {MAX_POINTS} can be numbered", parameter="points")
     order = insertion_order(points, 3, rounds=False, progress=progress)
     n = len(order.rows)
     records = np.zeros((n, 4))
@@ -125,6 +129,16 @@ def number_of_threads(threads: int | None, n_points: int) -> int:
         return threads
     available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return max(1, min(available, n_points // _POINTS_WORTH_A_THREAD))
+
+
+def in_ranges(work: Callable[[int, int], None], n: int, threads: int) -> None:
+    """Call ``work(start, stop)`` for ranges that make up the numbers below n, each in a thread of its own."""
+    bounds = [n * k // threads for k in range(threads + 1)]
+    if threads == 1:
+        work(0, n)
+        return
+    with ThreadPoolExecutor(threads) as pool:
+        list(pool.map(work, bounds[:-1], bounds[1:]))
 
 
 def insert(space: SpaceCells, todo: np.ndarray, threads: int, progress: Progress = silent) -> np.ndarray:

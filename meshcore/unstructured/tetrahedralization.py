@@ -15,7 +15,16 @@ from ..progress import Progress, part_of, silent
 from . import _tetrahedra_export_kernels as export_kernels
 from .insertion_order import insertion_order
 from .space_cells import SpaceCells
-from .space_insertion import extent_of, in_rounds, insert, locate, number_of_threads, safe_exponent, space_order
+from .space_insertion import (
+    extent_of,
+    in_ranges,
+    in_rounds,
+    insert,
+    locate,
+    number_of_threads,
+    safe_exponent,
+    space_order,
+)
 
 # What is smaller than this beside an extent of one could underflow in a predicate's products.
 _NEGLIGIBLE = 2.0 ** (predicates.LOWEST_BIT + 53)
@@ -30,10 +39,14 @@ class _Canonical:
     corners: np.ndarray
     row_of_rank: np.ndarray
 
-    def rows(self) -> np.ndarray:
+    def rows(self, threads: int = 1) -> np.ndarray:
         """(m, 4) int64: the cells' corners by the caller's rows."""
         rows = np.empty(len(self.corners), np.int64)
-        export_kernels.write_rows(self.corners, self.row_of_rank, rows, 0, len(rows) // 4)
+        in_ranges(
+            lambda start, stop: export_kernels.write_rows(self.corners, self.row_of_rank, rows, start, stop),
+            len(rows) // 4,
+            threads,
+        )
         return rows.reshape(-1, 4)
 
 
@@ -76,6 +89,7 @@ class Tetrahedralization:
         self.merged, self.kept = merged, kept
         self._space = space
         self._exponent = exponent
+        self._threads = 1
         self._by_curve = True  # vertices are numbered as they would be if all points were given now
 
     @classmethod
@@ -113,8 +127,11 @@ class Tetrahedralization:
         exponent = safe_exponent(points)
         order = space_order(_scaled(points, exponent), part_of(progress, 0.0, 0.1))
         space = SpaceCells(order.points, order.rows, order.first, order.quantum, order.extent)
-        insert(space, order.todo, number_of_threads(threads, len(order.rows)), part_of(progress, 0.1, 0.9))
-        return cls(points, space, order.merged, order.kept, exponent)
+        threads = number_of_threads(threads, len(order.rows))
+        insert(space, order.todo, threads, part_of(progress, 0.1, 0.9))
+        triangulation = cls(points, space, order.merged, order.kept, exponent)
+        triangulation._threads = threads
+        return triangulation
 
     def add(self, points: Any, *, threads: int | None = None, progress: Progress = silent) -> None:
         """Insert more points; they are numbered after those there are.
@@ -180,7 +197,7 @@ class Tetrahedralization:
         >>> Tetrahedralization.from_points([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]).mesh().cells["tetra"]
         array([[0, 1, 3, 2]])
         """
-        return Mesh(self.points, {"tetra": self._canonical.rows()})
+        return Mesh(self.points, {"tetra": self._canonical.rows(self._threads)})
 
     def locate(self, points: Any) -> tuple[np.ndarray, np.ndarray]:
         """The cell that holds each of some points.
@@ -244,14 +261,18 @@ class Tetrahedralization:
         n_cells = export_kernels.count_cells(space.cells, space.n_cells, rank, starts)
         corners = np.empty(4 * n_cells, np.int32)
         export_kernels.fill_buckets(space.cells, space.n_cells, rank, starts, corners)
-        export_kernels.sort_buckets(starts, corners, 0, len(row_of_rank))
+        in_ranges(
+            lambda start, stop: export_kernels.sort_buckets(starts, corners, start, stop),
+            len(row_of_rank),
+            self._threads,
+        )
         return _Canonical(rank, starts, corners, row_of_rank)
 
     def _into_mesh(self) -> Mesh:
         """`mesh` for the last time: the triangulation's memory is given back before that of the mesh is taken."""
         canonical = self._canonical
         del self._space
-        return Mesh(self.points, {"tetra": canonical.rows()})
+        return Mesh(self.points, {"tetra": canonical.rows(self._threads)})
 
 
 def _coordinates(points: Any) -> np.ndarray:
