@@ -120,3 +120,28 @@ def area_signs(plane, cells, signs):
             signs[U(t)] = UNSURE
             unsure += 1
     return unsure
+
+
+@kernel
+def count_below(points, cells, cotangent):
+    """How many triangles have an angle whose cotangent is above this one."""
+    count = 0
+    for t in range(len(cells)):
+        a = cells[U(t), U(0)]
+        b = cells[U(t), U(1)]
+        c = cells[U(t), U(2)]
+        ux = points[U(b), U(0)] - points[U(a), U(0)]
+        uy = points[U(b), U(1)] - points[U(a), U(1)]
+        uz = points[U(b), U(2)] - points[U(a), U(2)]
+        vx = points[U(c), U(0)] - points[U(a), U(0)]
+        vy = points[U(c), U(1)] - points[U(a), U(1)]
+        vz = points[U(c), U(2)] - points[U(a), U(2)]
+        nx = uy * vz - uz * vy
+        ny = uz * vx - ux * vz
+        nz = ux * vy - uy * vx
+        uv = ux * vx + uy * vy + uz * vz
+        at_b = ux * ux + uy * uy + uz * uz - uv
+        at_c = vx * vx + vy * vy + vz * vz - uv
+        if max(uv, at_b, at_c) > cotangent * math.sqrt(nx * nx + ny * ny + nz * nz):
+            count += 1
+    return count

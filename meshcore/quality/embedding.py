@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..mesh import topology
+from . import _embedding_kernels as kernels
 from .orientation import determinant_sign
 
 CHUNK = 1 << 20
@@ -57,6 +58,12 @@ def overlaps(plane: np.ndarray, edges: np.ndarray, tolerance: float) -> Overlaps
     [[0, 1]]
     """
     hanging, crossing = [np.empty((0, 2), np.int64)], [np.empty((0, 2), np.int64)]
+    plane = np.ascontiguousarray(plane)
+    along = plane[edges] @ _SWEEP
+    low, high = along.min(axis=1) - tolerance, along.max(axis=1) + tolerance
+    order = np.argsort(low, kind="stable")
+    if not kernels.any_may_touch(plane, edges[order], low[order], high[order], tolerance):
+        return Overlaps(hanging[0], crossing[0])
     for first, second in _close_pairs(plane[edges], tolerance):
         touches = np.zeros(len(first), bool)
         for one, other in ((first, second), (second, first)):

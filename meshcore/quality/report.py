@@ -73,6 +73,19 @@ def _summary_of_triangles(mesh: Mesh) -> dict[str, float]:
     }
 
 
+def triangles_below(mesh: Mesh, angle: float) -> int:
+    """How many triangles have an angle below one above 0, in degrees.
+
+    Examples
+    --------
+    >>> from meshcore import gallery
+    >>> triangles_below(gallery.triangulated_square(2), 45.1)
+    8
+    """
+    cotangent = float(1 / np.tan(np.radians(angle)))
+    return kernels.count_below(mesh.points, mesh.get("triangle"), cotangent)
+
+
 DEFAULT_MEASURES = {
     2: ("min_angle", "max_angle", "radius_ratio", "scaled_jacobian", "shape", "size_jump"),
     3: ("volume", "scaled_jacobian", "shape", "non_orthogonality", "face_skewness", "size_jump"),

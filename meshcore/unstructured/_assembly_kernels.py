@@ -1,9 +1,15 @@
 """Kernels over whole triangulations: how many triangles limits will make; used vertices numbered, cells by these."""
 
+import math
+
 from .._numba import kernel
-from ._half_edge_kernels import U
+from ._half_edge_kernels import DEAD, U, is_constrained, next_edge, previous_edge
 
 UNUSED, USED = -1, -2
+# A triangle is a needle if its longest edge is so many times as long as its shortest.
+_NEEDLE = 8.0
+# Triangles between two lines that are near each other, per length over width, for each of the two needles there.
+_PER_SQUARE = 0.5
 
 
 @kernel
@@ -23,6 +29,60 @@ def areas_kept(xy, origin, n_triangles, face, keep, area_limit):
             total += area
             shares += area / area_limit[U(f)]
     return total, shares
+
+
+@kernel
+def sharp_end(xy, origin, e):
+    """For a needle with the longest edge e, whether its tip is where e starts (0) or ends (1); -1 for others.
+
+    The second answer is the longer of its other edges, the third the length of e, the fourth the height over it.
+    """
+    after = next_edge(e)
+    before = previous_edge(e)
+    a = origin[U(e)]
+    b = origin[U(after)]
+    c = origin[U(before)]
+    ux = xy[U(2 * b)] - xy[U(2 * a)]
+    uy = xy[U(2 * b + 1)] - xy[U(2 * a + 1)]
+    vx = xy[U(2 * c)] - xy[U(2 * a)]
+    vy = xy[U(2 * c + 1)] - xy[U(2 * a + 1)]
+    whole = math.sqrt(ux * ux + uy * uy)
+    to_a = math.sqrt(vx * vx + vy * vy)
+    to_b = math.sqrt((vx - ux) ** 2 + (vy - uy) ** 2)
+    if whole < max(to_a, to_b) or whole < _NEEDLE * min(to_a, to_b):
+        return -1, e, whole, 0.0
+    height = (ux * vy - uy * vx) / whole
+    return (0, before, whole, height) if to_a > to_b else (1, after, whole, height)
+
+
+@kernel
+def narrow_parts(xy, origin, twin, n_triangles):
+    """Triangles that an angle will make between lines near each other; the least width there, and the length of it.
+
+    Such a part shows as two needles side by side, tip to tail, each with a line along its other long edge: the width
+    is then the same all along. Needles that spread from a small feature get fewer points, of growing distances.
+    """
+    total = 0.0
+    width = math.inf
+    length = 0.0
+    for t in range(n_triangles):
+        if origin[U(4 * t + 3)] & DEAD:
+            continue
+        for e in range(4 * t, 4 * t + 3):
+            f = int(twin[U(e)])
+            if f < 0 or is_constrained(origin, e):
+                continue
+            tip, along, whole, height = sharp_end(xy, origin, e)
+            if tip < 0 or not is_constrained(origin, along):
+                continue
+            other_tip, along, _, other = sharp_end(xy, origin, f)
+            if other_tip == tip and is_constrained(origin, along):
+                height = max(height, other)
+                total += _PER_SQUARE * whole / height
+                if height < width:
+                    width = height
+                    length = whole
+    return total, width, length
 
 
 @kernel

@@ -48,6 +48,8 @@ TRIANGLES, VERTICES, FREE, QUEUED, RECYCLED, TOP, ENCROACHED, PENDING, GIVEN_UP,
 STATE_SIZE = 12
 # Queues: one for size, and one per quarter octave of the squared shortest edge.
 BUCKETS = 2048
+# Squared circumradius of an equilateral triangle, per twice its area.
+TWICE_AREA_TO_RADIUS2 = 2.0 / (3.0 * math.sqrt(3.0))
 # What a vertex stands on: nothing, an input vertex, else the piece of a segment.
 FREE_VERTEX = -1
 INPUT_VERTEX = -2
@@ -143,7 +145,13 @@ def queue_if_poor(
                 poor = not is_between_neighbours(xy, pieces, p, q, piece_p, piece_q)
     if poor:
         bucket = BUCKETS - 1
-        if not too_large:
+        if limits[6] != 0.0:  # by the squared circumradius over the one wanted, the largest first
+            wanted = min(longest2 / 3.0, limit * TWICE_AREA_TO_RADIUS2)
+            if cosine2 < 1.0:
+                wanted = min(wanted, shortest / (4.0 * (1.0 - cosine2)))
+            mantissa, exponent = math.frexp(longest * other * shortest / (4.0 * area * area * wanted))
+            bucket = min(max(BUCKETS // 2 + 4 * exponent + int(8.0 * mantissa), 0), BUCKETS - 1)
+        elif not too_large:
             mantissa, exponent = math.frexp(shortest)
             bucket = min(max(64 - 4 * exponent - int(8.0 * mantissa), 0), BUCKETS - 2)
         entry = state[RECYCLED]
@@ -191,7 +199,8 @@ def refine(
 
     ``limits`` holds the squared cosine of the smallest angle, the squared cosine of the lens, the off-centre's height
     per length of the shortest edge (0: circumcentres), the edge length of triangles yet to be judged, squared, whether
-    that is the length for all, and twice the largest area if it is the same in all faces, else -1.
+    that is the length for all, twice the largest area if it is the same in all faces, else -1, and whether the worst
+    triangle goes first (the survey's order).
     """
     lens2 = limits[1]
     height = limits[2]

@@ -8,6 +8,7 @@ from .. import quality
 from ..errors import GenerationFailed
 from ..geometry.plane import Plane
 from ..mesh import Mesh
+from ..quality.report import triangles_below
 from ..report import Report, Result
 from . import _assembly_kernels as kernels
 from .boundary_lines import along_lines, with_lines
@@ -114,6 +115,6 @@ def _warn(report: Report, mesh: Mesh, refinement: Refinement, min_angle: float, 
         )
     if report.quality["smallest angle (degree)"] >= min_angle - 1e-6:
         return
-    thin = int((quality.measure(mesh, "min_angle") < min_angle - 1e-6).sum()) - refinement.poor
+    thin = triangles_below(mesh, min_angle - 1e-6) - refinement.poor
     if thin > 0:
         report.warnings.append(f"{thin:,} triangles at small angles of the input stay below min_angle")

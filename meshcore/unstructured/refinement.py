@@ -115,10 +115,11 @@ def delaunay_refinement(
         are the sizes.
     placement : {"automatic", "off-centre", "circumcentre", "lattice"}
         Where the point goes that removes a triangle: at its off-centre, near enough to the shortest edge to make a
-        triangle with just the angle asked for, which takes fewer points; or at its circumcentre, as the survey has
-        it. "lattice" first divides the lines evenly and fills the inside with equilateral triangles as large as
-        ``size`` and ``max_area`` allow: a third less triangles, in less than half the time; for angles up to 31
-        degrees. "automatic" does that where limits and domain let it, and else takes off-centres.
+        triangle with just the angle asked for, which takes fewer points; or at its circumcentre, the worst triangle
+        first, as the survey has it: the one with the largest circle for what is wanted there. "lattice" first divides
+        the lines evenly and fills the inside with equilateral triangles as large as ``size`` and ``max_area`` allow: a
+        third less triangles, in less than half the time; for angles up to 31 degrees. "automatic" does that where
+        limits and domain let it, and else takes off-centres.
     split_boundary : bool
         Whether lines may get points. If not, the boundary is kept as it is, bit by bit; triangles that its lines keep
         from being as asked are counted in a warning.

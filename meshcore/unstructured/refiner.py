@@ -101,9 +101,14 @@ class Refiner:
         self.has_angle = min_angle > 0
         unjudged = (size * self.scale) ** 2 if size * self.scale < _LONGEST else np.inf
         height = 0.0 if placement == "circumcentre" else _off_centre(min_angle)
-        self.limits = np.array([self.cosine2, _lens(min_angle), height, unjudged, float(size_field is None), -1.0])
+        worst_first = float(placement == "circumcentre")
+        self.limits = np.array(
+            [self.cosine2, _lens(min_angle), height, unjudged, float(size_field is None), -1.0, worst_first]
+        )
         self.estimate = max(expected_triangles(mesh, domain, size), float(mesh.triangulation.n_triangles))
         self._carve()
+        if self.has_angle and split_boundary:
+            self.estimate += self._between_near_lines(min_angle)
         self._allocate()
         if not split_boundary:
             flags = self.origin[3::4]
@@ -143,6 +148,20 @@ class Refiner:
         self.state[kernels.TRIANGLES] = mesh.n_triangles
         self.state[kernels.VERTICES] = n
         self.state[kernels.FREE] = self.n_free
+
+    def _between_near_lines(self, min_angle: float) -> float:
+        """Triangles that the angle alone will make where the domain is narrow; raises if that is absurd."""
+        mesh = self.mesh.triangulation
+        triangles, width, length = assembly_kernels.narrow_parts(mesh.xy, mesh.origin, mesh.twin, mesh.n_triangles)
+        if triangles > MAX_TRIANGLES:
+            raise InvalidInput(
+                f"{min_angle:g} would make about {triangles:.2g} triangles, since the domain is only "
+                f"{width / self.scale:.3g} wide over a length of {length / self.scale:.3g}; at most {MAX_TRIANGLES:,} "
+                "are allowed: set it to 0, which adds no points for shape, or divide these lines no further with "
+                "split_boundary off",
+                parameter="min_angle",
+            )
+        return triangles
 
     def live(self) -> tuple[np.ndarray, np.ndarray]:
         """(m, 3) int32 corners and (m,) int32 slots of the triangles."""

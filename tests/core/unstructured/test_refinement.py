@@ -187,6 +187,31 @@ def test_placements(placement, limits):
     assert invariants.angles(mesh).min() >= 25 - 1e-9
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_circumcentres_begin_with_the_largest_circle(seed):
+    """The first point is the centre of a circle among the largest; they are sorted by quarters of an octave."""
+    rng = np.random.default_rng(seed)
+    inner = np.round(rng.uniform(1, 7, (40, 2)), 3).tolist()
+    rim = [(k, y) for k in range(1, 8) for y in (0, 8)] + [(x, k) for k in range(1, 8) for x in (0, 8)]
+    points = np.array([(0, 0), (8, 0), (8, 8), (0, 8), *rim, *inner], float)
+    boundary = Mesh(points, {"line": loop_lines(4), "vertex": [[k] for k in range(4, len(points))]})
+    before = delaunay_refinement(boundary, min_angle=0).mesh
+    after = delaunay_refinement(boundary, min_angle=0, max_area=0.3, placement="circumcentre").mesh
+    first = after.points[len(points), :2]
+    a, b, c = (before.points[before.cells["triangle"][:, k], :2] for k in range(3))
+    u, v = b - a, c - a
+    doubled = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    u2, v2 = (u**2).sum(axis=1), (v**2).sum(axis=1)
+    to = np.column_stack([v[:, 1] * u2 - u[:, 1] * v2, u[:, 0] * v2 - v[:, 0] * u2]) / (2 * doubled[:, None])
+    radius2 = (to**2).sum(axis=1)
+    inside = ((a + to > 0) & (a + to < 8)).all(axis=1)
+    poor = doubled > 0.6
+    assert inside[poor].all()
+    chosen = np.linalg.norm(a + to - first, axis=1).argmin()
+    assert np.allclose(a[chosen] + to[chosen], first)
+    assert radius2[chosen] > 0.75 * radius2[poor].max()
+
+
 @pytest.mark.parametrize("name", MODELS)
 @pytest.mark.parametrize("placement", ["off-centre", "circumcentre"])
 @pytest.mark.parametrize("limits", [{}, {"max_area": 0.01}, {"size_field": lambda p: 0.05 + 0.1 * np.abs(p[:, 0])}])
@@ -354,9 +379,32 @@ def test_two_tags_in_one_region_are_told():
 
 
 @pytest.mark.parametrize("height", [1e-9, 1e-12])
-def test_a_domain_too_thin_for_its_angle_says_so(height, monkeypatch):
-    monkeypatch.setattr(refiner, "SPARE_POINTS", 2000)
+@pytest.mark.parametrize("keywords", [{}, {"max_area": 1.0}, {"placement": "circumcentre"}])
+def test_a_domain_too_thin_for_its_angle_is_refused_at_once(height, keywords):
     sliver = square().transformed(np.diag([1.0, height, 1, 1]))
+    with pytest.raises(
+        InvalidInput, match=f"min_angle: 30 would make about .* only {height:g} wide over a length of 1;"
+    ):
+        delaunay_refinement(sliver, min_angle=30, **keywords)
+    for cure in ({"min_angle": 0}, {"split_boundary": False}):
+        mesh, _ = delaunay_refinement(sliver, **cure)
+        assert mesh.n_cells == 2
+
+
+@pytest.mark.parametrize("gap", [1e-2, 1e-4])
+def test_two_lines_near_each_other_end(gap):
+    boundary = frame_mesh(8, [((1, 4), (7, 4)), ((1, 4 + gap), (7, 4 + gap))])
+    mesh, report = delaunay_refinement(boundary, min_angle=30)
+    assert report.converged
+    assert quality.validate(mesh) == []
+    assert 1.0 < mesh.n_cells * gap / 6 < 20
+
+
+def test_refinement_that_does_not_end_is_stopped(monkeypatch):
+    """Without the estimate, the budget of points is what ends it."""
+    monkeypatch.setattr(refiner, "SPARE_POINTS", 2000)
+    monkeypatch.setattr(refiner.Refiner, "_between_near_lines", lambda *_: 0.0)
+    sliver = square().transformed(np.diag([1.0, 1e-6, 1, 1]))
     try:
         _, report = delaunay_refinement(sliver, min_angle=30)
     except GenerationFailed as error:
@@ -365,5 +413,3 @@ def test_a_domain_too_thin_for_its_angle_says_so(height, monkeypatch):
         assert not report.converged
         told = report.warnings[0]
     assert told.startswith("refinement was stopped after") and "less than min_angle = 30" in told
-    mesh, report = delaunay_refinement(sliver, min_angle=0)
-    assert mesh.n_cells == 2 and report.converged
