@@ -8,7 +8,9 @@ from . import _edge_kernels as kernels
 from .keys import point_keys
 
 
-def missing_segments(points: np.ndarray, edges: np.ndarray, where: np.ndarray, lines: np.ndarray) -> np.ndarray:
+def missing_segments(
+    points: np.ndarray, edges: np.ndarray, where: np.ndarray, lines: np.ndarray, likely: np.ndarray | None = None
+) -> np.ndarray:
     """(k,) int: input lines that are no union of mesh edges.
 
     Parameters
@@ -21,6 +23,8 @@ def missing_segments(points: np.ndarray, edges: np.ndarray, where: np.ndarray, l
         Number of the mesh's point for each point of the boundary; -1 where it has none.
     lines : (s, 2) int
         Lines of the boundary, in its own numbers.
+    likely : (b, 2) int, optional
+        Some of the edges, such as the mesh's own boundary, that lines are looked for along first.
 
     Notes
     -----
@@ -42,6 +46,11 @@ def missing_segments(points: np.ndarray, edges: np.ndarray, where: np.ndarray, l
     left = np.flatnonzero(known & ~found)
     if len(left):
         tolerance = 1e-10 * float(np.linalg.norm([np.ptp(axis) for axis in points.T]))
+        if likely is not None:
+            some = 2 * np.sort(n * likely.min(axis=1) + likely.max(axis=1))
+            found[left] = _followed(points, some, at[left], tolerance)
+            left = left[~found[left]]
+    if len(left):
         found[left] = _followed(points, edges, at[left], tolerance)
     return np.flatnonzero(~found)
 

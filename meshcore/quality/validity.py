@@ -327,7 +327,8 @@ def _boundary(examined: _Examined, boundary: Mesh) -> Iterator[Fault]:
     mesh, lines = examined.mesh, boundary.get("line")
     n = mesh.n_points
     edges = examined.edge_keys if mesh.dimension == 2 else mesh.edges @ np.array([2 * n, 2])
-    lost = missing_segments(mesh.points, edges, same_points(mesh.points, boundary.points), lines)
+    likely = examined.boundary_edges if mesh.dimension == 2 else None
+    lost = missing_segments(mesh.points, edges, same_points(mesh.points, boundary.points), lines, likely)
     if len(lost):
         start = next(where.start for kind, _, where in boundary.blocks() if kind == "line")
         a, b = boundary.points[lines[lost[0]]]
