@@ -35,7 +35,7 @@ def main(folder="out"):
     inner = np.flatnonzero((np.abs(centres - 0.5) + radii[:, None] < 0.6).all(axis=1))
     drawn = [gallery.circle(96, radius=radii[k], centre=tuple(centres[k])) for k in inner[:: max(1, len(inner) // 6)]]
     points = mc.Mesh(sites, {"vertex": np.arange(len(sites))[:, None]})
-    over = [gallery.joined(*drawn), mc.Mesh(triangles.points, {"line": triangles.edges}), points]
+    over = [gallery.joined(*drawn), points, mc.Mesh(triangles.points, {"line": triangles.edges})]
     picture(cells, Path(folder) / "figure_23.png", window=(900, 860), over=over)
 
     nearest, _ = cKDTree(sites).query(centres)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 FACE, EDGE, MARK = "#dde7f0", "#1d3a57", "#e4572e"
 BLOCKS = ("#dde7f0", "#f4e3cf", "#dcefd9", "#efdcea", "#f5f0c8", "#d5eeee")
-OVER = ("#2f6fb3", "#c8371b", "#1c1c1c", "#3f8f3a")
+OVER = ("#2f6fb3", "#1c1c1c", "#c8371b", "#3f8f3a")
 AWAY = (0.4, -1.0, 0.3)
 """Of volumes the half on this side of the middle is taken away."""
 SUPERSAMPLING = 2
@@ -314,13 +314,18 @@ def _add(plotter: Any, part: Mesh | PolyhedralMesh, colour: str, width: float, v
         return
     if part.dimension == 3:
         data = data.clip(normal=AWAY, origin=data.center, crinkle=True).extract_surface(algorithm="dataset_surface")
+    thick, opacity = max(width * SUPERSAMPLING, 1.0), 1.0 if width > 0.5 else 0.6
+    of_polygons = isinstance(part, PolyhedralMesh) and part.is_planar and width > 0
+    if of_polygons:  # VTK draws edges by the triangles of a polygon, and loses some beside sharp ones
+        lines = Mesh(part.points + [0, 0, 1e-4 * part.diagonal], {"line": part.edges})
+        plotter.add_mesh(to_pyvista(lines), color=EDGE, opacity=opacity, line_width=thick, lighting=False)
     return plotter.add_mesh(
         data,
         color=colour,
-        show_edges=width > 0,
+        show_edges=width > 0 and not of_polygons,
         edge_color=EDGE,
-        edge_opacity=1.0 if width > 0.5 else 0.6,
-        line_width=max(width * SUPERSAMPLING, 1.0),
+        edge_opacity=opacity,
+        line_width=thick,
         lighting=not part.is_planar,
         **_colours(values),
     )

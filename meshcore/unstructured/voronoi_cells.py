@@ -48,7 +48,7 @@ def planar_cells(vertices: np.ndarray, triangles: np.ndarray, n_sites: int, tole
 
 def spatial_cells(vertices: np.ndarray, tetrahedra: np.ndarray, n_sites: int, tolerance: float) -> Faces:
     """The faces of all sites' cells; far points follow the sites among the vertices, their cells are outside."""
-    centres = _circumcentres(vertices, tetrahedra)
+    centres = circumcentres(vertices, tetrahedra)
     offsets, star = _stars(tetrahedra, len(vertices))
     most = 6 * len(tetrahedra)
     face_offsets, face_nodes = np.empty(most // 3 + 2, np.int64), np.empty(most, np.int64)
@@ -80,7 +80,8 @@ def _stars(cells: np.ndarray, n_vertices: int) -> tuple[np.ndarray, np.ndarray]:
     return offsets, star
 
 
-def _circumcentres(vertices: np.ndarray, tetrahedra: np.ndarray) -> np.ndarray:
+def circumcentres(vertices: np.ndarray, tetrahedra: np.ndarray) -> np.ndarray:
+    """(m, 3) float: circumcentres of tetrahedra in VTK's order; of slivers too, with nearly all their digits."""
     centres, error = np.empty((len(tetrahedra), 3)), np.empty(len(tetrahedra))
     kernels.circumcentres_3d(vertices, tetrahedra, centres, error, predicates.workspace())
     if (error > kernels.PRECISE).any():

@@ -132,3 +132,38 @@ def test_without_a_display_and_without_a_word(tmp_path):
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
     assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
     assert painted(pixels(tmp_path / "p.png")).any()
+
+
+def test_polygons_are_coloured_whole(tmp_path):
+    mesh = mc.PolyhedralMesh.from_polygons(
+        [[0, 0], [1, 0], [1, 1], [0.5, 1], [0, 1], [2, 0], [2, 1]], [[0, 1, 2, 3, 4], [1, 5, 6, 2]]
+    )
+    image = pixels(picture(mesh, tmp_path / "two.png", scalars=np.array([0.0, 1.0]), window=(300, 100), edges=False))
+    solid = painted(image)[:, :250]
+    rows, columns = np.flatnonzero(solid.any(axis=1)), np.flatnonzero(solid.any(axis=0))
+    middle = (columns[0] + columns[-1]) // 2
+    left = image[rows[3] : rows[-3], columns[3] : middle - 3].reshape(-1, 3)
+    right = image[rows[3] : rows[-3], middle + 4 : columns[-3]].reshape(-1, 3)
+    assert np.ptp(left, axis=0).max() <= 2 and np.ptp(right, axis=0).max() <= 2
+    assert np.abs(left[0] - right[0]).max() > 100
+
+
+def test_of_polyhedra_the_near_half_is_taken_away(tmp_path):
+    mesh, _ = mc.voronoi_3d(gallery.cloud_in_a_ball(30))
+    for scalars in (None, "volume", "site"):
+        assert painted(pixels(picture(mesh, tmp_path / "cells.png", scalars=scalars, window=SMALL))).mean() > 0.2
+    with pytest.raises(InvalidInput, match="volume"):
+        picture(mesh, tmp_path / "cells.png", scalars="area")
+
+
+def test_curves_and_points_are_drawn_over_a_mesh(tmp_path):
+    square = gallery.triangulated_square(1)
+    plain = pixels(picture(square, tmp_path / "plain.png", window=(100, 100)))
+    line = mc.Mesh([[0.1, 0.5], [0.9, 0.5]], {"line": [[0, 1]]})
+    point = mc.Mesh([[0.25, 0.75]], {"vertex": [[0]]})
+    image = pixels(picture(square, tmp_path / "over.png", window=(100, 100), over=[line, point]))
+    changed = (np.abs(image - plain) > 40).any(axis=-1)
+    assert changed[48:52, 30:70].any(axis=0).all()  # the line, across the middle
+    assert changed[20:35, 20:35].any() and not changed[60:90, 60:90].any()
+    with pytest.raises(InvalidInput, match="over"):
+        picture(square, tmp_path / "over.png", over=[square])

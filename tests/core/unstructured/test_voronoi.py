@@ -19,7 +19,7 @@ from meshcore import (
     voronoi_3d,
 )
 from meshcore.mesh import polygons
-from meshcore.unstructured.voronoi_cells import _circumcentres, exact_circumcentre
+from meshcore.unstructured.voronoi_cells import circumcentres, exact_circumcentre
 from tests import naive, point_sets
 
 RNG = np.random.default_rng(7)
@@ -299,7 +299,7 @@ def test_circumcentres_of_slivers_have_all_their_digits():
     slivers = np.stack([(base + 10.0**-k * RNG.normal(size=(4, 3))) @ turn for k in range(1, 16)])
     flip = np.linalg.det(slivers[:, 1:] - slivers[:, :1]) < 0
     slivers[flip] = slivers[flip][:, [0, 2, 1, 3]]
-    found = _circumcentres(slivers.reshape(-1, 3), np.arange(60).reshape(15, 4))
+    found = circumcentres(slivers.reshape(-1, 3), np.arange(60).reshape(15, 4))
     for centre, corners in zip(found, slivers, strict=True):
         exact = exact_circumcentre(corners)
         assert np.linalg.norm(centre - exact) <= 1e-12 * np.linalg.norm(exact - corners[0])
