@@ -111,7 +111,7 @@ def circle_tie(xy, order, a, b, c, q, work):
         u, v = c, a
     else:
         u, v = a, b
-    return exact_side(xy, u, v, q, work)
+    return side_of(xy[U(2 * u)], xy[U(2 * u + 1)], xy[U(2 * v)], xy[U(2 * v + 1)], xy[U(2 * q)], xy[U(2 * q + 1)], work)
 
 
 @kernel
