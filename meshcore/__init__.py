@@ -19,6 +19,7 @@ from .unstructured import (
     delaunay_2d,
     delaunay_3d,
     delaunay_refinement,
+    smoothed,
     voronoi_2d,
     voronoi_3d,
 )
@@ -54,6 +55,7 @@ __all__ = [
     "quality",
     "refined",
     "silent",
+    "smoothed",
     "transfinite",
     "voronoi_2d",
     "voronoi_3d",

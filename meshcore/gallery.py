@@ -239,6 +239,7 @@ def arguments(identifier: str) -> tuple[tuple[Any, ...], dict[str, Any]]:
         "delaunay_refinement": ((square_with_hole(),), {"min_angle": 30.0}),
         "voronoi_2d": ((sunflower(), circle(24, radius=1.1)), {}),
         "voronoi_3d": ((cloud_in_a_ball(60),), {}),
+        "smoothed": ((triangulated_square(),), {"rounds": 2}),
         "refined": ((triangulated_square(),), {"indicator": "front", "levels": 2}),
     }
     if identifier not in calls:

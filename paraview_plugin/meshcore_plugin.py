@@ -1187,8 +1187,12 @@ class meshcoreDelaunay3D(Operation):
       out.</Documentation>
     </DoubleVectorProperty>
     <IntVectorProperty name="Placement" label="Placement" command="SetPlacement" number_of_elements="1" default_values="0" panel_visibility="advanced">
-      <EnumerationDomain name="enum"><Entry value="0" text="automatic"/><Entry value="1" text="off-centre"/><Entry value="2" text="circumcentre"/><Entry value="3" text="lattice"/></EnumerationDomain>
+      <EnumerationDomain name="enum"><Entry value="0" text="automatic"/><Entry value="1" text="off-centre"/><Entry value="2" text="circumcentre"/><Entry value="3" text="lattice"/><Entry value="4" text="front"/></EnumerationDomain>
       <Documentation>Where new points go inside.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="Smoothing" label="Smoothing" command="SetSmoothing" number_of_elements="1" default_values="0" panel_visibility="default">
+      <IntRangeDomain name="range" min="0" max="10"/>
+      <Documentation>Rounds of smoothing at the end, which make small angles larger.</Documentation>
     </IntVectorProperty>
     <IntVectorProperty name="SplitBoundary" label="Split Boundary" command="SetSplitBoundary" number_of_elements="1" default_values="1" panel_visibility="advanced">
       <BooleanDomain name="bool"/>
@@ -1211,6 +1215,7 @@ class meshcoreDelaunay3D(Operation):
       <Property name="BackgroundSizeArray"/>
       <Property name="SeedsSizeArray"/>
       <Property name="Gradation"/>
+      <Property name="Smoothing"/>
     </PropertyGroup>
     <PropertyGroup label="Advanced">
       <Property name="Placement"/>
@@ -1242,7 +1247,10 @@ class meshcoreDelaunayRefinement(Operation):
         self.set("gradation", value or None)
 
     def SetPlacement(self, value):
-        self.set("placement", ('automatic', 'off-centre', 'circumcentre', 'lattice')[value])
+        self.set("placement", ('automatic', 'off-centre', 'circumcentre', 'lattice', 'front')[value])
+
+    def SetSmoothing(self, value):
+        self.set("smoothing", value)
 
     def SetSplitBoundary(self, value):
         self.set("split_boundary", bool(value))
@@ -1343,6 +1351,48 @@ class meshcoreDiscretisedCurve(Operation):
 
     def SetBackgroundSizeArray(self, value):
         self.prefer("size_array", "background", "" if value == NO_ARRAY else value)
+
+
+
+@smproxy.filter(name="meshcoreSmoothing", label="meshcore Smoothing", support_reload=False)
+@smhint.xml('<ShowInMenu category="meshcore"/>')
+@smproperty.xml(
+    """
+    <Documentation short_help="Smoothing">Move the points inside so that triangles get better, without ever making
+    the smallest angle smaller.</Documentation>
+    <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Triangles in a plane; lines and vertices among the cells stay.</Documentation>
+    </InputProperty>
+    <IntVectorProperty name="Rounds" label="Rounds" command="SetRounds" number_of_elements="1" default_values="3" panel_visibility="default">
+      <IntRangeDomain name="range" min="1" max="10"/>
+      <Documentation>How often each point is looked at.</Documentation>
+    </IntVectorProperty>
+    <StringVectorProperty name="Fixed" label="Fixed" command="SetFixed" number_of_elements="1" default_values="None" panel_visibility="default">
+      <ArrayListDomain name="array_list" none_string="None" input_domain_name="arrays"><RequiredProperties><Property name="Input" function="Input"/></RequiredProperties></ArrayListDomain>
+      <Documentation>Point array: points where it is not zero stay; empty fixes none.</Documentation>
+    </StringVectorProperty>
+    <PropertyGroup label="Parameters">
+      <Property name="Rounds"/>
+      <Property name="Fixed"/>
+    </PropertyGroup>
+    """
+)
+class meshcoreSmoothing(Operation):
+    operation = "smoothed"
+    label = "meshcore Smoothing"
+    ports = (("mesh", "mesh", False),)
+    output = "vtkUnstructuredGrid"
+
+    def SetRounds(self, value):
+        self.set("rounds", value)
+
+    def SetFixed(self, value):
+        self.set("fixed", "" if value == NO_ARRAY else value)
 
 
 

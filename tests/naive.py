@@ -26,6 +26,15 @@ def bisected(function, low, high):
     return 0.5 * (low + high)
 
 
+def line_integral(function, stops, samples=1000):
+    """Integrals of a function between neighbouring stops, by midpoints."""
+    parts = []
+    for a, b in itertools.pairwise(stops):
+        middles = a + (np.arange(samples) + 0.5) / samples * (b - a)
+        parts.append(float(sum(function(middles))) * (b - a) / samples)
+    return np.array(parts)
+
+
 def one_sided_tanh(cells, first):
     """``1 + tanh(a (t - 1)) / tanh(a)`` with a found by halving so that the first cell is ``first``."""
 
@@ -104,6 +113,20 @@ def cross_areas(points):
                 a, b, c = quad[k - 1], quad[k], quad[(k + 1) % 4]
                 areas[i, j, k] = (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
     return areas
+
+
+def smallest_angle_of_star(centre, ring):
+    """Radians: smallest angle of the triangles from a centre to the edges of a ring; not above 0 if one turns over."""
+    smallest = math.pi
+    for a, b in zip(ring, [*ring[1:], ring[0]], strict=True):
+        corners = [centre, a, b]
+        turn = 1 if side(*corners) > 0 else -1
+        for k in range(3):
+            p, q, r = corners[k], corners[k - 2], corners[k - 1]
+            to_q, to_r = math.atan2(q[1] - p[1], q[0] - p[0]), math.atan2(r[1] - p[1], r[0] - p[0])
+            between = abs(to_q - to_r)
+            smallest = min(smallest, turn * min(between, 2 * math.pi - between))
+    return smallest
 
 
 # ---- predicates: determinants of whole numbers; tests are (count, points, dimension) float

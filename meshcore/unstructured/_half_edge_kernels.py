@@ -155,9 +155,11 @@ def flip(origin, twin, piece_of, vertex_edge, e):
     origin[U(e1)] = v
     origin[U(f1)] = p
     twin[U(e)] = beyond_e
-    twin[U(beyond_e)] = e
+    if beyond_e >= 0:
+        twin[U(beyond_e)] = e
     twin[U(f)] = beyond_f
-    twin[U(beyond_f)] = f
+    if beyond_f >= 0:
+        twin[U(beyond_f)] = f
     twin[U(e1)] = f1
     twin[U(f1)] = e1
     set_constrained(origin, e, mark_e)

@@ -17,7 +17,7 @@ ON_SEGMENT = 2.0**-49
 # Beyond these, areas and products of them would over- or underflow.
 _LARGEST, _SMALLEST = 1e75, 1e-75
 # A share of the largest coordinate that counts as zero: exact arithmetic over more than that would be slow.
-_NOTHING = 2.0**-200
+NOTHING = 2.0**-200
 # A direction along which hardly two points of a drawing agree, and the one across it.
 _SKEW, _ACROSS = np.array([0.7653668647, 0.6435942529]), np.array([-0.6435942529, 0.7653668647])
 
@@ -95,7 +95,7 @@ def planar_graph(
         warnings.append(f"{len(segments) - len(first)} lines that repeat others were dropped")
     if len(lines) and not len(first):
         raise InvalidGeometry("has only lines without length", parameter=parameter, cells=range(len(lines)))
-    clean = np.where(np.abs(points[source]) < _NOTHING * largest, 0.0, points[source])
+    clean = np.where(np.abs(points[source]) < NOTHING * largest, 0.0, points[source])
     return PlanarGraph(clean, source, segments[first], real[first], warnings)
 
 

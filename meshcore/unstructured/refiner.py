@@ -9,13 +9,14 @@ import numpy as np
 
 from ..errors import GenerationFailed, InvalidInput
 from ..geometry import predicates
-from ..progress import Progress, advance
+from ..progress import Progress, advance, part_of
 from . import _assembly_kernels as assembly_kernels
 from . import _half_edge_kernels as half_edges
 from . import _refinement_kernels as kernels
 from .boundary_lines import edges_on_lines
 from .constrained import ConstrainedTriangulation
 from .domain import Domain
+from .smoothing import HalfEdges, smooth_in_place
 from .triangulation import grown
 
 _STEPS_A_CHUNK = 20_000
@@ -74,8 +75,8 @@ class Refiner:
         Degrees.
     size : float
         Largest edge length, possibly infinite.
-    placement : {"automatic", "off-centre", "circumcentre"}
-        Where points go inside.
+    placement : {"automatic", "off-centre", "circumcentre", "lattice", "front"}
+        Where points go inside; all but circumcentres mean off-centres here.
     split_boundary : bool
         Whether lines may get points.
     size_field : callable, optional
@@ -176,16 +177,12 @@ class Refiner:
 
     # ---- running
 
-    def run(self) -> Refinement:
-        """Refine until no triangle is poor, or the budget of points is spent."""
-        exhausted = False
-        if self.size_field is not None:
-            exhausted = self._size_rounds(with_angle=False)
-        if not exhausted and (self.has_angle or self.size_field is None):
-            self._queue_all(with_angle=True)
-            exhausted = self._refine()
-        if not exhausted and self.size_field is not None:
-            exhausted = self._size_rounds(with_angle=True)
+    def run(self, smoothing: int = 0) -> Refinement:
+        """Refine until no triangle is poor, or the budget of points is spent; after rounds of smoothing do so again."""
+        exhausted = self._refine_all()
+        if smoothing and not exhausted:
+            self._smooth(smoothing)
+            exhausted = self._refine_all()
         # Whatever was not given up is as asked: each triangle was judged when it was made.
         poor = 0
         if exhausted or self.state[kernels.GIVEN_UP] or self.state[kernels.UNSPLIT]:
@@ -206,6 +203,42 @@ class Refiner:
     def on_lines(self) -> tuple[np.ndarray, np.ndarray]:
         """(p, 2) vertices of the edges on lines, and the piece of each."""
         return edges_on_lines(self.origin, self.twin, self.piece_of, self.live()[1])
+
+    def _refine_all(self) -> bool:
+        """Refine until no triangle is poor; whether the budget of points was spent first."""
+        exhausted = False
+        if self.size_field is not None:
+            exhausted = self._size_rounds(with_angle=False)
+        if not exhausted and (self.has_angle or self.size_field is None):
+            self._queue_all(with_angle=True)
+            exhausted = self._refine()
+        if not exhausted and self.size_field is not None:
+            exhausted = self._size_rounds(with_angle=True)
+        return exhausted
+
+    def _smooth(self, rounds: int) -> None:
+        """Move vertices inside and flip edges; sizes are judged anew."""
+        n = int(self.state[kernels.VERTICES])
+        mesh = HalfEdges(
+            self.xy,
+            self.origin,
+            self.twin,
+            self.piece_of,
+            n,
+            int(self.state[kernels.TRIANGLES]),
+            (self.stands_on[:n] != kernels.FREE_VERTEX).astype(np.uint8),
+            self.edge_limit,
+            self.face,
+            self.area_limit,
+            self.mesh.triangulation.scratch,
+            is_delaunay=True,
+        )
+        smooth_in_place(mesh, rounds, part_of(self.progress, 0.95, 0.97))
+        self.forget_sizes()
+
+    def forget_sizes(self) -> None:
+        """Let the sizes of all triangles be judged anew."""
+        self.edge_limit[:] = self.limits[3]
 
     def _size_rounds(self, *, with_angle: bool) -> bool:
         """Judge the triangles made since the last round by the size field, and refine, until all pass."""
@@ -344,8 +377,7 @@ def _lens(min_angle: float) -> float:
 
 def _off_centre(min_angle: float) -> float:
     """Height of the off-centre above the shortest edge, per its length; Triangle's factor 0.475 leaves a margin."""
-    cosine = np.cos(np.radians(min_angle))
-    return float(0.475 * np.sqrt((1 + cosine) / (1 - cosine))) if min_angle > 0 else 0.0
+    return float(0.475 / np.tan(np.radians(min_angle) / 2)) if min_angle > 0 else 0.0
 
 
 def acute_vertices(xy: np.ndarray, pieces: np.ndarray) -> np.ndarray:

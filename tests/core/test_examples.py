@@ -7,6 +7,7 @@ import pytest
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 NUMBERS = {
+    "advancing_front_points": None,
     "airfoil_sections": 3,
     "airfoil_three_ways": None,  # a triangulation's count is its maker's affair, not this test's
     "background_grid_and_sources": None,
