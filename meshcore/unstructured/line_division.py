@@ -91,7 +91,7 @@ def divided(
     length = wanted[piece]
     if ground is not None:
         length = np.minimum(length, np.ldexp(ground.length[vertex], -ground.exponent))
-        length[~(parts.keep[left] | parts.keep[right])[piece]] = np.inf
+        length[~mesh.pieces_beside(parts.keep)[piece]] = np.inf
     sums = _Sums(piece, share, length, whole)
     owner, where, node, count = sums.places(_shells(mesh, coarse, sums))
     points = graph.points[ends[owner, 0]] + where[:, None] * along[owner]
