@@ -45,10 +45,9 @@ def spiral(n: int, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray]
 
 def comb(n: int, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     """A comb with gaps a thousand times deeper than wide."""
-    teeth = n // 4
-    x = np.repeat(np.arange(2 * teeth), 2) / 2
-    y = np.where(np.arange(len(x)) // 2 % 2, 1.0, 500.0)
-    return closed(np.concatenate([np.column_stack([x, y])[1:-1], [[teeth, 0], [0, 0]]])[::-1])
+    corner = np.arange(n // 4 * 4)
+    top = np.column_stack([(corner + 1) // 2 / 2, np.where(corner // 2 % 2, 1.0, 500.0)])
+    return closed(np.concatenate([top, [[top[-1, 0], 0], [0, 0]]])[::-1])
 
 
 def short_segments(n: int, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:

@@ -26,6 +26,7 @@ def assembled(
     min_angle: float,
     split_boundary: bool,
     on_lines: tuple[np.ndarray, np.ndarray] | None = None,
+    validated: bool = True,
 ) -> Result:
     """The mesh, checked, and its report.
 
@@ -45,6 +46,8 @@ def assembled(
         What was asked for.
     on_lines : (p, 2) int and (p,) int, optional
         Vertices of the edges on lines, and the piece of each; the mesh gets them as "line" cells.
+    validated : bool
+        Whether the mesh is put through `quality.validate`; not needed where it is valid by construction.
     """
     number, kept, added = _numbered(triangulation, refinement)
     points = np.concatenate([boundary.points[kept], plane.to_space(added)])
@@ -53,7 +56,8 @@ def assembled(
     mesh = Mesh(points, {"triangle": triangles}, cell_data={"region": refinement.tags})
     pieces = triangulation.pieces[triangulation.pieces_beside(parts.keep), :2]
     try:
-        quality.validate(mesh, Mesh(points, {"line": number[pieces]}) if len(pieces) else None)
+        if validated:
+            quality.validate(mesh, Mesh(points, {"line": number[pieces]}) if len(pieces) else None)
     except GenerationFailed as error:
         if not refinement.exhausted:
             raise
