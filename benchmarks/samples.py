@@ -52,6 +52,11 @@ def row(name: str, angle: int, repeats: int) -> None:
     boundary = meshcore.Mesh(given["vertices"], {"line": given["segments"], "vertex": vertex})
     seeds = {key: given[key] for key in ("holes",) if key in given}
     triangles = {key: value for key, value in given.items() if key != "regions"}
+    try:
+        meshcore.delaunay_refinement(boundary, min_angle=angle, **seeds)
+    except meshcore.MeshcoreError as error:  # such as box, whose hole lies in the outline itself
+        print_row(name, angle, f"refused: {error}", *[""] * 8)
+        return
     ours, theirs = [], []
     calls = CALLS_A_TURN if len(vertex) < 1000 else 1
     for _ in range(repeats):
