@@ -54,7 +54,7 @@ def workspace(quantum: float = 0.0) -> np.ndarray:
     >>> kernels.orient2d(0.0, 0.0, 1.0, 0.0, 0.0, 1.0, workspace()) > 0
     True
     """
-    work = np.zeros(kernels.WORK_SIZE)
+    work = np.empty(kernels.WORK_SIZE)
     for place, degree in (
         (kernels.EXACT_ORIENT2D, 2),
         (kernels.EXACT_INCIRCLE, 4),
@@ -148,6 +148,22 @@ def rescaled(points: np.ndarray) -> tuple[np.ndarray, int]:
         )
     exponent = int(_safe_exponents(points.reshape(1, -1), "points")[0])
     return (np.ldexp(points, exponent) if exponent else points), exponent
+
+
+def resolved(queries: np.ndarray) -> np.ndarray:
+    """Places to be looked for among points that are safe: themselves where they are so too, else the nearest that are.
+
+    Beyond the range of the predicates there are no points; below it coordinates are rounded to what they resolve.
+
+    Examples
+    --------
+    >>> resolved(np.array([[0.5, 1e-300]]))
+    array([[0.5, 0. ]])
+    """
+    queries = np.clip(queries, -(2.0**200), 2.0**200)
+    tiny = np.abs(queries) < 2.0 ** (LOWEST_BIT + 53)
+    queries[tiny] = np.ldexp(np.rint(np.ldexp(queries[tiny], -LOWEST_BIT)), LOWEST_BIT)
+    return queries
 
 
 def orient2d(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:

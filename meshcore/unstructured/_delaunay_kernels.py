@@ -32,6 +32,16 @@ NO_SLOTS = 4
 
 
 @kernel
+def first_turn(xy, work):
+    """The first vertex that is not on the line of the first two, minus it if it is right of that; 0 if all are."""
+    for v in range(2, len(xy) // 2):
+        side = side_of(xy[U(0)], xy[U(1)], xy[U(2)], xy[U(3)], xy[U(2 * v)], xy[U(2 * v + 1)], work)
+        if side != 0.0:
+            return v if side > 0.0 else -v
+    return 0
+
+
+@kernel
 def insert_points(
     xy, order, origin, twin, todo, low, high, work, stack, ring, ring_from, cavity, state, steps
 ):  # fmt: skip

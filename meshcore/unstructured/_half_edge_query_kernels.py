@@ -1,4 +1,5 @@
-"""Kernels that ask a planar triangulation: star of a vertex, edges and triangles by vertices, walk along a segment.
+"""Kernels that ask a planar triangulation: star of a vertex, edges and triangles by vertices, walk along a segment;
+the faces beside segments and at places, and whether it is a triangulation at all.
 
 The layout is that of `_half_edge_kernels`; triangles may have been carved away. A list that is too short is answered
 by -1: make it longer and ask again. A face of a triangle is written ``triangle << 3 | corners``, with one bit for each
@@ -6,9 +7,11 @@ of its corners: 7 is the triangle itself, two bits are an edge, one a vertex.
 """
 
 from .._numba import kernel
-from ._half_edge_kernels import DEAD, U, next_edge, previous_edge, side_of
+from ._half_edge_kernels import DEAD, U, is_constrained, next_edge, previous_edge, side_of
 
 FULL_LIST, ABSENT = -1, -2
+# What `faces_at` answers for places beyond all triangles, and on a segment.
+BEYOND, ON_SEGMENT = -1, -2
 
 
 @kernel
@@ -162,3 +165,77 @@ def walk_segment(xy, origin, twin, vertex_edge, a, b, found, faces, work):
             at = int(twin[U(leaving)])
         count += 1
     return ABSENT
+
+
+@kernel
+def faces_at(xy, origin, n_triangles, face, places, found, work):
+    """Write the face in which each place lies, `BEYOND` or `ON_SEGMENT`; exact. Places are few: all triangles are seen.
+
+    A place between two triangles, at no segment, is in the face of both.
+    """
+    for i in range(len(places)):
+        x = places[U(i), U(0)]
+        y = places[U(i), U(1)]
+        found[U(i)] = BEYOND
+        for t in range(n_triangles):
+            a, b, c = origin[U(4 * t)], origin[U(4 * t + 1)], origin[U(4 * t + 2)]
+            if (a | b | c) < 0 or origin[U(4 * t + 3)] & DEAD:
+                continue
+            ax, ay = xy[U(2 * a)], xy[U(2 * a + 1)]
+            bx, by = xy[U(2 * b)], xy[U(2 * b + 1)]
+            cx, cy = xy[U(2 * c)], xy[U(2 * c + 1)]
+            if x < min(ax, bx, cx) or x > max(ax, bx, cx) or y < min(ay, by, cy) or y > max(ay, by, cy):
+                continue
+            past_a = side_of(ax, ay, bx, by, x, y, work)
+            past_b = side_of(bx, by, cx, cy, x, y, work)
+            past_c = side_of(cx, cy, ax, ay, x, y, work)
+            if past_a < 0.0 or past_b < 0.0 or past_c < 0.0:
+                continue
+            on_segment = (
+                (past_a == 0.0 and is_constrained(origin, 4 * t))
+                or (past_b == 0.0 and is_constrained(origin, 4 * t + 1))
+                or (past_c == 0.0 and is_constrained(origin, 4 * t + 2))
+            )
+            if on_segment:
+                found[U(i)] = ON_SEGMENT
+                break
+            found[U(i)] = face[U(t)]
+
+
+@kernel
+def faces_beside(origin, n_triangles, piece_of, pieces, face, sides):
+    """Write the face left of each undivided piece to the first row of ``sides``, the one right of it to the second."""
+    for t in range(n_triangles):
+        for e in range(4 * t, 4 * t + 3):
+            if is_constrained(origin, e):
+                piece = piece_of[U(e)]
+                sides[U(origin[U(e)] != pieces[U(piece), U(0)]), U(piece)] = face[U(t)]
+
+
+@kernel
+def is_glued(xy, origin, twin, n_triangles, work):
+    """Whether all triangles are positive, exactly, and each edge that has a twin is its twin turned around.
+
+    Such triangles, bounded by closed curves that meet nowhere, cover what these enclose, once.
+    """
+    for t in range(n_triangles):
+        if origin[U(4 * t + 3)] & DEAD:
+            continue
+        a, b, c = origin[U(4 * t)], origin[U(4 * t + 1)], origin[U(4 * t + 2)]
+        if (a | b | c) >= 0 and not (
+            side_of(
+                xy[U(2 * a)], xy[U(2 * a + 1)], xy[U(2 * b)], xy[U(2 * b + 1)], xy[U(2 * c)], xy[U(2 * c + 1)], work
+            )
+            > 0.0
+        ):
+            return False
+        for e in range(4 * t, 4 * t + 3):
+            f = int(twin[U(e)])
+            if f >= 0 and (
+                twin[U(f)] != e
+                or origin[U(f | 3)] & DEAD
+                or origin[U(f)] != origin[U(next_edge(e))]
+                or origin[U(e)] != origin[U(next_edge(f))]
+            ):
+                return False
+    return True

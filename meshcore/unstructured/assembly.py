@@ -1,11 +1,10 @@
-"""The mesh and the report of a refinement: used points numbered, the input's first, and everything checked."""
+"""The mesh and the report of a refinement: used points numbered, the input's first."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from .. import quality
-from ..errors import GenerationFailed
 from ..geometry.plane import Plane
 from ..mesh import Mesh
 from ..quality.report import triangles_below
@@ -26,9 +25,8 @@ def assembled(
     min_angle: float,
     split_boundary: bool,
     on_lines: tuple[np.ndarray, np.ndarray] | None = None,
-    validated: bool = True,
 ) -> Result:
-    """The mesh, checked, and its report.
+    """The mesh and its report.
 
     Parameters
     ----------
@@ -46,24 +44,12 @@ def assembled(
         What was asked for.
     on_lines : (p, 2) int and (p,) int, optional
         Vertices of the edges on lines, and the piece of each; the mesh gets them as "line" cells.
-    validated : bool
-        Whether the mesh is put through `quality.validate`; not needed where it is valid by construction.
     """
     number, kept, added = _numbered(triangulation, refinement)
     points = np.concatenate([boundary.points[kept], plane.to_space(added)])
     triangles = np.empty(refinement.corners.shape, np.int64)
     kernels.renumber(refinement.corners, number, triangles)
     mesh = Mesh(points, {"triangle": triangles}, cell_data={"region": refinement.tags})
-    pieces = triangulation.pieces[triangulation.pieces_beside(parts.keep), :2]
-    try:
-        if validated:
-            quality.validate(mesh, Mesh(points, {"line": number[pieces]}) if len(pieces) else None)
-    except GenerationFailed as error:
-        if not refinement.exhausted:
-            raise
-        raise GenerationFailed(
-            f"{_stopped(refinement, min_angle)} ({error})", cells=error.cells, partial=mesh
-        ) from error
     report = Report(
         counts={
             "points": mesh.n_points,

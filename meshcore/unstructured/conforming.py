@@ -39,7 +39,7 @@ def conform(mesh: ConstrainedTriangulation, progress: Progress) -> tuple[int, in
     stack = np.empty(4096, np.int32)
     state = np.zeros(kernels.STATE_SIZE, np.int64)
     state[[kernels.TRIANGLES, kernels.VERTICES, kernels.WAITING]] = base.n_triangles, n, len(half_edge)
-    work = predicates.workspace()  # the points that are added lie on no grid, if those given do
+    work = base.scratch.work = predicates.workspace()  # the points that are added lie on no grid, if those given do
     status = half_edges.MORE
     while status in (half_edges.MORE, half_edges.FULL):
         added = int(state[kernels.VERTICES]) - n

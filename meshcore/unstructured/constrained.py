@@ -12,6 +12,7 @@ from ..geometry import predicates
 from ..progress import Progress, advance, part_of
 from . import _constrained_kernels as constrained_kernels
 from . import _half_edge_kernels as half_edges
+from . import _half_edge_query_kernels as queries
 from .nesting import nesting_levels
 from .planar_graph import ON_SEGMENT, Crossings, PlanarGraph, split_at_crossings
 from .triangulation import Triangulation, grown, triangulated
@@ -64,11 +65,9 @@ class ConstrainedTriangulation:
     @cached_property
     def faces_beside(self) -> tuple[np.ndarray, np.ndarray]:
         """(p,) int: the faces left and right of each piece, as they are before refinement."""
-        half_edge = self.constrained_half_edges
-        piece = self.piece_of[half_edge]
-        backward = self.triangulation.origin[half_edge] != self.pieces[piece, 0]
         sides = np.zeros((2, len(self.pieces)), np.int64)
-        sides[backward.astype(int), piece] = self.face[half_edge >> 2]
+        whole = self.triangulation
+        queries.faces_beside(whole.origin, whole.n_triangles, self.piece_of, self.pieces, self.face, sides)
         return sides[0], sides[1]
 
     def pieces_beside(self, keep: np.ndarray) -> np.ndarray:
@@ -166,6 +165,8 @@ def _inserted(mesh: Triangulation, graph: PlanarGraph, progress: Progress):
             "please report the lines"
         )
     count = state[kernels.CROSSED]
+    if not count:
+        return pieces[: state[kernels.PIECES]], piece_of, Crossings(np.empty((0, 2), np.int64), places[:0])
     pairs, first = np.unique(np.sort(crossed[:count].astype(np.int64), axis=1), axis=0, return_index=True)
     return pieces[: state[kernels.PIECES]], piece_of, Crossings(pairs, places[first])
 
@@ -188,24 +189,18 @@ def faces_of_points(mesh: ConstrainedTriangulation, points: np.ndarray, paramete
     InvalidGeometry
         If a point lies on a line, between two faces.
     """
-    corners, slots = mesh.triangulation.live()
-    xy = mesh.triangulation.xy.reshape(-1, 2)
-    a, b, c = (xy[corners[:, k]] for k in range(3))
-    low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
-    flags = mesh.triangulation.origin[3::4][slots]
-    found = np.full(len(points), -1)
-    for k, p in enumerate(np.ldexp(points, mesh.exponent)):
-        near = np.flatnonzero(((low <= p) & (high >= p)).all(axis=1))
-        sides = np.column_stack([predicates.orient2d(u[near], v[near], p) for u, v in ((a, b), (b, c), (c, a))])
-        inside = (sides >= 0).all(axis=1)
-        on_line = (sides == 0) & (flags[near, None] >> np.arange(3) & 1).astype(bool)
-        if on_line[inside].any():
-            raise InvalidGeometry(
-                f"point {k} at ({points[k, 0]:.6g}, {points[k, 1]:.6g}) lies on a line, so on no side of it; move it",
-                parameter=parameter,
-            )
-        if inside.any():
-            found[k] = mesh.face[slots[near[inside][0]]]
+    found = np.empty(len(points), np.int64)
+    if not len(points):
+        return found
+    whole = mesh.triangulation
+    places = predicates.resolved(np.ldexp(points, mesh.exponent))
+    queries.faces_at(whole.xy, whole.origin, whole.n_triangles, mesh.face, places, found, predicates.workspace())
+    if (found == queries.ON_SEGMENT).any():
+        k = int((found == queries.ON_SEGMENT).argmax())
+        raise InvalidGeometry(
+            f"point {k} at ({points[k, 0]:.6g}, {points[k, 1]:.6g}) lies on a line, so on no side of it; move it",
+            parameter=parameter,
+        )
     return found
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,6 +37,14 @@ class InsertionOrder:
     coordinates: np.ndarray
     merged: np.ndarray
     kept: np.ndarray
+
+
+@functools.cache
+def curve_table(dimension: int) -> np.ndarray:
+    """(k,) int32: how a Hilbert curve turns, for the kernels; not to be written to."""
+    table = np.empty(kernels.TABLE_SIZE, np.int32)
+    kernels.fill_curve_table(dimension, table)
+    return table
 
 
 def insertion_order(points: np.ndarray, dimension: int, *, rounds: bool, progress: Progress = silent) -> InsertionOrder:
@@ -73,8 +82,7 @@ def insertion_order(points: np.ndarray, dimension: int, *, rounds: bool, progres
     n = len(points)
     if n == 0:
         return InsertionOrder(np.empty(0, np.int32), np.empty(0), np.empty(0, np.int64), np.empty(0, np.int64))
-    table = np.empty(kernels.TABLE_SIZE, np.int32)
-    kernels.fill_curve_table(dimension, table)
+    table = curve_table(dimension)
     key_bits = kernels.SHORT_KEY_BITS if n <= _SHORT_KEYS_UP_TO else _LONG_KEY_BITS[dimension]
     packed = np.arange(n, dtype=np.uint64)
     other = np.empty_like(packed)

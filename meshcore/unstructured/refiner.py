@@ -134,13 +134,13 @@ class Refiner:
         n = len(mesh.order)
         capacity = len(self.origin) // 4
         self.stands_on = np.full(n, kernels.FREE_VERTEX, np.int32)
-        self.stands_on[np.unique(self.pieces[:, :2])] = kernels.INPUT_VERTEX
+        self.stands_on[self.pieces[:, :2]] = kernels.INPUT_VERTEX
         self.acute = acute_vertices(self.xy.reshape(-1, 2), self.pieces)
         self.edge_limit = np.full(capacity, self.limits[3])
         # Twice the area, as the kernel computes it.
         self.area_limit = 2 * self.domain.max_area * self.scale**2
-        of_all = np.unique(self.area_limit[self.domain.keep])
-        self.limits[5] = of_all[0] if len(of_all) == 1 else -1.0
+        kept = self.area_limit[self.domain.keep]
+        self.limits[5] = kept[0] if (kept == kept[0]).all() else -1.0
         self.head = np.full(kernels.BUCKETS, -1, np.int32)
         self.tail = np.full(kernels.BUCKETS, -1, np.int32)
         self.queue = np.empty(0, np.int32)
@@ -167,7 +167,8 @@ class Refiner:
     def live(self) -> tuple[np.ndarray, np.ndarray]:
         """(m, 3) int32 corners and (m,) int32 slots of the triangles."""
         triangulation = self.mesh.triangulation
-        triangulation.origin, triangulation.n_triangles = self.origin, int(self.state[kernels.TRIANGLES])
+        triangulation.xy, triangulation.origin, triangulation.twin = self.xy, self.origin, self.twin
+        triangulation.n_triangles = int(self.state[kernels.TRIANGLES])
         return triangulation.live()
 
     def areas(self, corners: np.ndarray) -> np.ndarray:
@@ -189,6 +190,7 @@ class Refiner:
             self._queue_all(with_angle=True)
             poor = int(self.state[kernels.QUEUED])
         corners, slots = self.live()
+        self.mesh.triangulation.check()
         xy = self.xy.reshape(-1, 2)[: self.state[kernels.VERTICES]]
         return Refinement(
             corners,

@@ -9,13 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InvalidGeometry, InvalidInput
+from ..errors import GenerationFailed, InvalidGeometry, InvalidInput
 from ..geometry import predicates
 from ..geometry.location import Location
 from ..mesh import Mesh
 from ..progress import Progress, part_of, silent
 from . import _delaunay_kernels as kernels
 from . import _half_edge_kernels as half_edges
+from . import _half_edge_query_kernels as queries
 from .half_edge_arrays import Scratch, grown
 from .insertion_order import InsertionOrder, insertion_order
 from .point_insertion import insert, insert_on_threads
@@ -151,6 +152,16 @@ class Triangulation:
         count = half_edges.live_triangles(self.origin, self.n_triangles, corners, slots)
         return corners[:count], slots[:count]
 
+    def check(self) -> None:
+        """Raise `GenerationFailed` if a triangle is not positive, exactly, or not glued edge to edge to its neighbours.
+
+        Positive triangles glued to a disc that has a convex outline cover it once. Where parts were carved away along
+        segments, whatever their shape, what is left does so still, and after points were put on these, too: rounding
+        moves them by far less than segments are apart (`planar_graph.ON_SEGMENT`).
+        """
+        if not queries.is_glued(self.xy, self.origin, self.twin, self.n_triangles, self.scratch.work):
+            raise GenerationFailed("the triangulation has turned a triangle over; please report the input")
+
     def mesh(self) -> Mesh:
         """The triangles on all points.
 
@@ -199,10 +210,7 @@ class Triangulation:
             If points are not finite.
         """
         queries = Mesh(points, {}).points if not isinstance(points, Mesh) else points.points
-        # Beyond the range of the predicates nothing is inside; below it coordinates are rounded to what they resolve.
-        queries = np.clip(np.ldexp(queries, self.exponent), -(2.0**200), 2.0**200)
-        tiny = np.abs(queries) < 2.0 ** (predicates.LOWEST_BIT + 53)
-        queries[tiny] = np.ldexp(np.rint(np.ldexp(queries[tiny], -predicates.LOWEST_BIT)), predicates.LOWEST_BIT)
+        queries = predicates.resolved(np.ldexp(queries, self.exponent))
         order = insertion_order(queries, 2, rounds=False)
         cell = np.empty(len(queries), np.int64)
         weights = np.full((len(queries), 3), np.nan)
@@ -317,8 +325,8 @@ def triangulated(
     """
     _check_count(len(points), parameter)
     order, thin = planar_order(points, part_of(progress, 0.0, 0.2))
-    corners = _first_triangle(order.coordinates.reshape(-1, 2), parameter)
     mesh = Triangulation(order.coordinates, order.rows, predicates.quantum_of(points))
+    corners = _first_triangle(mesh, parameter)
     mesh._points, mesh.n_points, mesh.merged, mesh.kept = points, len(points), order.merged, order.kept
     mesh.origin[:16], mesh.twin[:16] = _FIRST_ORIGIN, _FIRST_TWIN
     mesh.origin[_FIRST_CORNERS] = np.array(corners)[mesh.origin[_FIRST_CORNERS]]
@@ -355,18 +363,15 @@ def _threads(wanted: int | None, n: int) -> int:
     return max(1, min(wanted, n // _POINTS_A_THREAD))
 
 
-def _first_triangle(xy: np.ndarray, parameter: str) -> tuple[int, int, int]:
+def _first_triangle(mesh: Triangulation, parameter: str) -> tuple[int, int, int]:
     """A counter-clockwise triangle of the first two vertices and the first one that is not on their line."""
-    if len(xy) < 3:
-        raise InvalidGeometry(f"needs at least three different points, got {len(xy)}", parameter=parameter)
-    start, size = 2, 1000
-    while start < len(xy):
-        signs = predicates.orient2d(xy[0], xy[1], xy[start : start + size])
-        if signs.any():
-            third = int(np.flatnonzero(signs)[0])
-            return (0, 1, start + third) if signs[third] > 0 else (1, 0, start + third)
-        start, size = start + size, 4 * size
-    raise InvalidGeometry(f"all {len(xy)} points lie on one line; no area to mesh", parameter=parameter)
+    n = len(mesh.order)
+    if n < 3:
+        raise InvalidGeometry(f"needs at least three different points, got {n}", parameter=parameter)
+    third = kernels.first_turn(mesh.xy, mesh.scratch.work)
+    if not third:
+        raise InvalidGeometry(f"all {n} points lie on one line; no area to mesh", parameter=parameter)
+    return (0, 1, third) if third > 0 else (1, 0, -third)
 
 
 def planar_points(points: Any, parameter: str = "points") -> np.ndarray:
