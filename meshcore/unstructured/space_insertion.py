@@ -146,10 +146,14 @@ def insert(space: SpaceCells, todo: np.ndarray, threads: int, progress: Progress
 
     Parameters
     ----------
+    space : SpaceCells
+        Changed in place.
     todo : (k,) int32
         Vertices in the order of their insertion.
     threads : int
         How many; the triangulation does not depend on it.
+    progress : Progress, optional
+        Called with fraction and message.
 
     Returns
     -------

@@ -75,12 +75,12 @@ class Tetrahedralization:
     >>> cube = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]
     >>> space = Tetrahedralization.from_points(cube)
     >>> space.mesh()
-    Mesh(8 points, 5 tetra)
+    Mesh(8 points, 6 tetra)
     >>> space.add([[0.5, 0.5, 0.5]])
     >>> space.mesh()
     Mesh(9 points, 12 tetra)
     >>> cell, weights = space.locate([[0.5, 0.5, 0.5], [2, 0, 0]])
-    >>> cell[1], weights[0].max()
+    >>> int(cell[1]), float(weights[0].max())
     (-1, 1.0)
     """
 
@@ -195,7 +195,7 @@ class Tetrahedralization:
         Examples
         --------
         >>> Tetrahedralization.from_points([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]).mesh().cells["tetra"]
-        array([[0, 1, 3, 2]])
+        array([[1, 0, 3, 2]])
         """
         return Mesh(self.points, {"tetra": self._canonical.rows(self._threads)})
 

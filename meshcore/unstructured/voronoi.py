@@ -151,7 +151,7 @@ def voronoi_3d(
     >>> mesh, report = voronoi_3d([[0, 0, 0], [2, 0, 0]], box=(-1, -1, -1, 3, 1, 1))
     >>> mesh
     PolyhedralMesh(12 points, 11 faces, 2 polyhedra)
-    >>> mesh.volumes.tolist(), mesh.neighbours.tolist()
+    >>> mesh.volumes.round(12).tolist(), mesh.neighbours.tolist()
     ([8.0, 8.0], [[0, 1]])
     """
     return _diagram(points, boundary, margin, box, 3, progress)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pymeshlab
 import pytest
@@ -25,9 +27,15 @@ def add(ms, mesh, label):
     return ms.current_mesh_id()
 
 
+def with_named_data(mesh, names):
+    return replace(mesh, point_data={name: mesh.point_data[name] for name in mesh.point_data.keys() & set(names)})
+
+
 def model_call(ms, identifier):
     """The gallery's call of an operation, with its inputs as layers: keywords of the filter and the inputs."""
     inputs, given = gallery.arguments(identifier)
+    # A filter cannot list a layer's attributes: it sees those only that a parameter names.
+    inputs = tuple(with_named_data(mesh, given.values()) for mesh in inputs)
     ports = list(operations()[identifier].inputs)
     keywords = {
         name: pymeshlab.PercentageValue(100 * value.fraction) if isinstance(value, Relative) else value
