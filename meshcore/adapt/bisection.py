@@ -16,6 +16,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..mesh.topology import edge_keys
+
 OPPOSITE = np.array([[1, 2], [2, 0], [0, 1]])
 """Nodes of edge i."""
 
@@ -39,12 +41,6 @@ class Edges(NamedTuple):
     of_triangle: np.ndarray
     triangles: np.ndarray
     starts: np.ndarray
-
-
-def edge_keys(nodes: np.ndarray, n_points: int) -> np.ndarray:
-    """(...) int: one whole number for each pair of points (..., 2), whatever its direction."""
-    a, b = nodes[..., 0], nodes[..., 1]
-    return np.minimum(a, b) * n_points + np.maximum(a, b)
 
 
 def edges_of(triangles: np.ndarray, n_points: int) -> Edges:

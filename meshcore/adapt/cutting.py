@@ -10,7 +10,8 @@ import numpy as np
 
 from ..errors import InvalidGeometry, InvalidInput
 from ..mesh import Mesh
-from .bisection import Edges, Parts, bisected, closed, edge_keys, edges_of, halved, longest_edge_first, ragged
+from ..mesh.topology import edge_keys
+from .bisection import Edges, Parts, bisected, closed, edges_of, halved, longest_edge_first, ragged
 
 COUNTER = "bisections"
 """Cell array that counts the cuts each cell comes from; where it is, node 0 of a triangle is its newest vertex."""

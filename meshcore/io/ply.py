@@ -318,7 +318,9 @@ def _rows(columns: dict[str, np.ndarray], corners: np.ndarray | None) -> np.ndar
 def _polygon_rows(mesh: PolyhedralMesh, columns: dict[str, np.ndarray]) -> list[np.ndarray]:
     """Records of faces in their order; those with as many corners that follow each other in one array."""
     sizes = np.diff(mesh.face_offsets)
-    if len(sizes) and sizes.max() > 255:
+    if not len(sizes):
+        return [_rows(columns, np.empty((0, 3), np.int64))]
+    if sizes.max() > 255:
         raise InvalidInput(f"has a polygon of {sizes.max()} corners, PLY counts to 255; write .vtu", parameter="mesh")
     runs = np.flatnonzero(np.concatenate([[True], sizes[1:] != sizes[:-1], [True]]))
     found = []

@@ -51,6 +51,18 @@ def edges(mesh: Mesh) -> np.ndarray:
     return np.column_stack([key // n, key % n])
 
 
+def edge_keys(nodes: np.ndarray, n_points: int) -> np.ndarray:
+    """(...) int: one whole number for each pair of points (..., 2), whatever its direction.
+
+    Examples
+    --------
+    >>> edge_keys(np.array([[0, 2], [2, 0], [1, 2]]), 3).tolist()
+    [2, 2, 5]
+    """
+    a, b = nodes[..., 0], nodes[..., 1]
+    return np.minimum(a, b) * n_points + np.maximum(a, b)
+
+
 def facets(mesh: Mesh) -> Facets:
     """Facets of the cells of highest dimension, matched by their sorted nodes."""
     nodes, owner = _all_facets(mesh)

@@ -7,6 +7,9 @@ import numpy as np
 from . import _edge_kernels as kernels
 from .keys import point_keys
 
+# Share of the largest coordinate by which rounding moves points that split a line, and those that split its parts.
+_ROUNDING = 2.0**-49
+
 
 def missing_segments(
     points: np.ndarray, edges: np.ndarray, where: np.ndarray, lines: np.ndarray, likely: np.ndarray | None = None
@@ -29,7 +32,8 @@ def missing_segments(
     Notes
     -----
     A line that was split is followed from its start: at each point the edge is taken that leads on within the
-    tolerance of rounding, 1e-10 of the mesh's diagonal.
+    tolerance of rounding, 1e-10 of the mesh's diagonal and 2^-49 of the largest coordinate, which far from the origin
+    is more.
 
     Examples
     --------
@@ -46,6 +50,7 @@ def missing_segments(
     left = np.flatnonzero(known & ~found)
     if len(left):
         tolerance = 1e-10 * float(np.linalg.norm([np.ptp(axis) for axis in points.T]))
+        tolerance += _ROUNDING * float(np.abs(points).max())
         if likely is not None:
             some = 2 * np.sort(n * likely.min(axis=1) + likely.max(axis=1))
             found[left] = _followed(points, some, at[left], tolerance)

@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..mesh import polygons
+from ..mesh.topology import edge_keys
 from . import _voronoi_kernels as kernels
 from .convex_domain import ConvexDomain
 
@@ -93,7 +94,9 @@ def _cut(rows: Rows, domain: ConvexDomain, plane: int) -> _Cut:
             points[on, axis] = domain.offsets[plane] * domain.normals[plane, axis]
     after = polygons.following(offsets, nodes)
     crossing = beyond[nodes] != beyond[after]
-    key, edge = np.unique(_keys(nodes[crossing], after[crossing], len(points)), return_inverse=True)
+    key, edge = np.unique(
+        edge_keys(np.column_stack([nodes[crossing], after[crossing]]), len(points)), return_inverse=True
+    )
     a, b = key // len(points), key % len(points)
     share = (height[a] / (height[a] - height[b]))[:, None]
     made = points[a] + share * (points[b] - points[a])
@@ -111,10 +114,6 @@ def _cut(rows: Rows, domain: ConvexDomain, plane: int) -> _Cut:
     row = np.searchsorted(offsets, np.flatnonzero(leaving), side="right") - 1
     end = polygons.following(count, new)[start]
     return _Cut(Rows(np.concatenate([points, made]), count, new), new[start], end, row)
-
-
-def _keys(a: np.ndarray, b: np.ndarray, n: int) -> np.ndarray:
-    return np.minimum(a, b) * n + np.maximum(a, b)
 
 
 def clipped_faces(faces: Faces, domain: ConvexDomain) -> Faces:

@@ -134,7 +134,8 @@ class Front:
             field = self.ground.length[corners].mean(axis=1)
             parameter = "size_field" if (field < length).any() else parameter
             length = np.minimum(length, field)
-        estimate = float((coarse.areas(corners) / (_EQUILATERAL * length**2)).sum())
+        with np.errstate(divide="ignore", over="ignore"):  # squares of lengths below 1e-160 underflow
+            estimate = float((coarse.areas(corners) / (_EQUILATERAL * length**2)).sum())
         if estimate > MAX_TRIANGLES:
             raise too_many(estimate, parameter)
         return estimate
@@ -161,9 +162,8 @@ class Front:
 
     def advance(self, refiner: Refiner) -> None:
         """Put the front's points into the triangulation that the refiner holds."""
-        n = len(self.mesh.triangulation.order)
         if len(self.owner):
-            on_lines = self.mesh.triangulation.vertex_of[n - len(self.owner) :]
+            on_lines = self.mesh.triangulation.vertex_of[-len(self.owner) :]
             refiner.stands_on[on_lines] = self.owner
         refiner.state[refinement_kernels.SPLITS] += len(self.owner)
         limits = self._limits() * refiner.scale

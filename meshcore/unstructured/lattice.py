@@ -7,12 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import InvalidInput
+from ..errors import InvalidGeometry, InvalidInput
 from ..progress import Progress
 from . import _lattice_kernels as kernels
 from .constrained import ConstrainedTriangulation, constrained
 from .domain import Domain
-from .planar_graph import PlanarGraph
+from .planar_graph import divided_graph
 from .refiner import acute_vertices, expected_triangles
 
 STEEPEST = 31.0
@@ -67,7 +67,8 @@ def filled(
     progress : Progress
         Called with fraction and message.
     worthwhile : bool
-        Whether to answer None where a lattice is of little use: with fewer sites than points on lines.
+        Whether to answer None where a lattice is of little use, with fewer sites than points on lines, or where lines
+        are too near each other to be divided evenly.
 
     Returns
     -------
@@ -78,6 +79,8 @@ def filled(
     ------
     InvalidInput
         If there are no limits, or they would make too many triangles.
+    InvalidGeometry
+        If divided lines cross by rounding, unless it has to be worthwhile.
     """
     spacing = np.where(parts.keep, _spacing(parts.max_area, size), np.inf)
     if not np.isfinite(spacing).any():
@@ -112,8 +115,14 @@ def filled(
     if not len(sites) or (worthwhile and len(sites) < len(places) + len(points)):
         return None
     on_lines = places[~whole[owner]]
-    graph, parent = _divided_graph(mesh, ends, np.where(whole, 1, count), on_lines, sites)
-    fine = constrained(graph, split_crossings=False, parameter="boundary", progress=progress)
+    new = np.concatenate([on_lines, sites])
+    graph, parent = divided_graph(mesh.graph, ends, mesh.line, np.where(whole, 1, count), new)
+    try:
+        fine = constrained(graph, split_crossings=False, parameter="boundary", progress=progress)
+    except InvalidGeometry:  # lines so near each other that rounding made their parts cross
+        if worthwhile:
+            return None
+        raise
     return Filled(fine, _same_faces(fine, parts, left[parent], right[parent]), len(on_lines), len(sites))
 
 
@@ -156,22 +165,6 @@ def _sites(ends: np.ndarray, outward: np.ndarray, near: np.ndarray, h: float) ->
     sites = np.empty((int((blocked == 0).sum()), 2))
     count = kernels.take_sites(start, x, x0, y0, h, dy, columns, blocked, _SHAKE * h, sites)
     return sites[:count]
-
-
-def _divided_graph(
-    mesh: ConstrainedTriangulation, ends: np.ndarray, count: np.ndarray, on_lines: np.ndarray, sites: np.ndarray
-) -> tuple[PlanarGraph, np.ndarray]:
-    """The graph with ``count`` segments a piece, through the places on it, and the sites; the piece of each segment."""
-    graph = mesh.graph
-    parent = np.repeat(np.arange(len(count)), count)
-    step = np.arange(len(parent)) - np.repeat(np.cumsum(count) - count, count)
-    place = len(graph.points) + np.cumsum(count - 1)[parent] - (count - 1)[parent] + step
-    segments = np.column_stack(
-        [np.where(step == 0, ends[parent, 0], place - 1), np.where(step == count[parent] - 1, ends[parent, 1], place)]
-    )
-    points = np.concatenate([graph.points, on_lines, sites])
-    source = np.concatenate([graph.source, np.full(len(points) - len(graph.points), -1)])
-    return replace(graph, points=points, source=source, segments=segments, line=mesh.line[parent]), parent
 
 
 def _same_faces(fine: ConstrainedTriangulation, parts: Domain, left: np.ndarray, right: np.ndarray) -> Domain:

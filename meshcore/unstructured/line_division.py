@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from ._splitting_kernels import split_place
 from .constrained import ConstrainedTriangulation
 from .domain import Domain
-from .planar_graph import PlanarGraph
+from .planar_graph import PlanarGraph, divided_graph
 from .refiner import MAX_TRIANGLES, Refiner, too_many
 
 # From this much above a whole number on there is one part more. Somewhat below a half, so that parts are never longer
@@ -87,7 +87,7 @@ def divided(
     whole = np.hypot(*along.T)
     left, right = mesh.faces_beside
     wanted = np.minimum(*(np.where(parts.keep[side], limits[side], np.inf) for side in (left, right)))
-    piece, share, vertex = _nodes(mesh, ground, coarse.stands_on, along, whole)
+    piece, share, vertex = _nodes(mesh, ground, coarse.stands_on, whole)
     length = wanted[piece]
     if ground is not None:
         length = np.minimum(length, np.ldexp(ground.length[vertex], -ground.exponent))
@@ -97,10 +97,10 @@ def divided(
     points = graph.points[ends[owner, 0]] + where[:, None] * along[owner]
     if ground is not None:
         ground.near = np.concatenate([ground.near[mesh.triangulation.vertex_of], ground.near[vertex[node]]])
-    return Division(_graph(graph, ends, mesh.line, points, count), owner, count)
+    return Division(divided_graph(graph, ends, mesh.line, count, points)[0], owner, count)
 
 
-def _nodes(mesh: ConstrainedTriangulation, ground: Ground | None, stands_on: np.ndarray, along, whole):
+def _nodes(mesh: ConstrainedTriangulation, ground: Ground | None, stands_on: np.ndarray, whole: np.ndarray):
     """Vertices of the ground along each piece, ends included: the piece, the share of its length, the vertex."""
     n = len(mesh.pieces)
     piece, share, vertex = np.tile(np.arange(n), 2), np.repeat([0.0, 1.0], n), mesh.pieces[:, :2].T.ravel()
@@ -186,20 +186,3 @@ def _shells(mesh: ConstrainedTriangulation, coarse: Refiner, sums: _Sums) -> dic
             open_ += [(a, middle), (middle, b)]
         shells[int(piece)] = np.sort(shares)
     return shells
-
-
-def _graph(graph: PlanarGraph, ends: np.ndarray, line: np.ndarray, points: np.ndarray, count: np.ndarray):
-    """The graph with ``count`` segments for each piece, through the new points in order."""
-    n = len(graph.points)
-    piece = np.repeat(np.arange(len(count)), count)
-    number = np.arange(len(piece)) - np.repeat(np.cumsum(count) - count, count)
-    new = n + np.cumsum(count - 1)[piece] - (count - 1)[piece] + number
-    start = np.where(number == 0, ends[piece, 0], new - 1)
-    stop = np.where(number == count[piece] - 1, ends[piece, 1], new)
-    return replace(
-        graph,
-        points=np.concatenate([graph.points, points]),
-        source=np.concatenate([graph.source, np.full(len(points), -1)]),
-        segments=np.column_stack([start, stop]),
-        line=line[piece],
-    )

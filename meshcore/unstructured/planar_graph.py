@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -191,3 +191,51 @@ def split_at_crossings(graph: PlanarGraph, crossings: Crossings) -> PlanarGraph:
     segments, line = segments[real], line[real]
     first = _first_of_each(segments)
     return PlanarGraph(points[keep], source, segments[first], line[first], graph.warnings)
+
+
+def divided_graph(
+    graph: PlanarGraph, ends: np.ndarray, line: np.ndarray, count: np.ndarray, points: np.ndarray
+) -> tuple[PlanarGraph, np.ndarray]:
+    """The graph with each of some pieces of its lines divided.
+
+    Parameters
+    ----------
+    graph : PlanarGraph
+        Whose points stay, in front of the new ones.
+    ends : (p, 2) int
+        Points at the ends of each piece.
+    line : (p,) int
+        Number of the input line that each is part of.
+    count : (p,) int
+        Parts of each piece.
+    points : (k, 2) float
+        New points: those on the pieces, piece by piece and in order, then any others.
+
+    Returns
+    -------
+    graph : PlanarGraph
+        Its segments are the parts.
+    piece : (m,) int
+        The piece that each segment is part of.
+
+    Examples
+    --------
+    >>> line = PlanarGraph(np.array([[0.0, 0.0], [3.0, 0.0]]), np.arange(2), np.array([[0, 1]]), np.array([7]))
+    >>> new = np.array([[1.0, 0.0], [2.0, 0.0]])
+    >>> finer, piece = divided_graph(line, line.segments, line.line, np.array([3]), new)
+    >>> finer.segments.tolist(), finer.source.tolist(), finer.line.tolist()
+    ([[0, 2], [2, 3], [3, 1]], [0, 1, -1, -1], [7, 7, 7])
+    """
+    piece = np.repeat(np.arange(len(count)), count)
+    number = np.arange(len(piece)) - np.repeat(np.cumsum(count) - count, count)
+    new = len(graph.points) + np.cumsum(count - 1)[piece] - (count - 1)[piece] + number
+    start = np.where(number == 0, ends[piece, 0], new - 1)
+    stop = np.where(number == count[piece] - 1, ends[piece, 1], new)
+    divided = replace(
+        graph,
+        points=np.concatenate([graph.points, points]),
+        source=np.concatenate([graph.source, np.full(len(points), -1)]),
+        segments=np.column_stack([start, stop]),
+        line=line[piece],
+    )
+    return divided, piece

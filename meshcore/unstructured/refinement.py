@@ -229,7 +229,10 @@ def delaunay_refinement(
             front.advance(refiner)
         refinement = refiner.run(smoothing)
     except InvalidInput as error:
-        raise (sizes.explained(error) if sizes else error) from error
+        explained = error if sizes is None else sizes.explained(error)
+        if explained is error:
+            raise
+        raise explained from error
     if lattice is not None:
         refinement.splits += lattice.on_lines
         refinement.insertions += lattice.inside

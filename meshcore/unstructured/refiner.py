@@ -262,7 +262,8 @@ class Refiner:
         # One step below the value that means unjudged, so that no triangle is judged twice.
         limit = np.minimum(np.minimum(sizes, _LONGEST) ** 2, np.nextafter(unjudged, 0))
         self.edge_limit[slots[new]] = limit
-        needed = float((self.areas(corners) / (_AREA_BY_SIZE * self.edge_limit[slots])).sum())
+        with np.errstate(divide="ignore", over="ignore"):
+            needed = float((self.areas(corners) / (_AREA_BY_SIZE * self.edge_limit[slots])).sum())
         if needed > MAX_TRIANGLES:
             raise too_many(needed, "size_field")
         self.estimate = max(self.estimate, needed)
@@ -354,7 +355,8 @@ def expected_triangles(mesh: ConstrainedTriangulation, domain: Domain, size: flo
         whole.xy, whole.origin, whole.n_triangles, mesh.face, domain.keep, 2 * domain.max_area * scale**2
     )
     by_area = shares / _AREA_BY_MAX_AREA
-    by_size = 0.5 * area / (_AREA_BY_SIZE * (size * scale) ** 2) if size * scale < _LONGEST else 0.0
+    with np.errstate(divide="ignore", over="ignore"):  # squares of sizes below 1e-160 underflow
+        by_size = float(0.5 * area / (_AREA_BY_SIZE * np.square(min(size * scale, _LONGEST))))
     estimate = max(by_area, by_size)
     if estimate > MAX_TRIANGLES:
         raise too_many(estimate, "size" if by_size >= by_area else "max_area")

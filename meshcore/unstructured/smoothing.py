@@ -13,6 +13,7 @@ from ..geometry import predicates
 from ..geometry.location import Locator
 from ..geometry.plane import Plane, fitted_plane
 from ..mesh import Mesh
+from ..mesh.topology import edge_keys
 from ..operation import Param, Port, operation
 from ..progress import Progress, advance, part_of, silent
 from ..report import Report, Result
@@ -290,14 +291,14 @@ def _half_edges(mesh: Mesh, flat: np.ndarray, stays: np.ndarray) -> HalfEdges:
     twin = np.full((m, 4), -1, np.int32)
     twin[:, 3] = 0
     edge = (4 * np.arange(m)[:, None] + np.arange(3)).ravel()
-    key = _keys(triangles.ravel(), np.roll(triangles, -1, axis=1).ravel(), n)
+    key = edge_keys(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=-1), n).ravel()
     order = np.argsort(key, kind="stable")
     pair = np.flatnonzero(key[order][1:] == key[order][:-1])
     one, other = edge[order[pair]], edge[order[pair + 1]]
     flat_twin = twin.ravel()
     flat_twin[one], flat_twin[other] = other, one
     held = twin[:, :3].ravel() < 0
-    held |= np.isin(key, _keys(*mesh.get("line").T, n))
+    held |= np.isin(key, edge_keys(mesh.get("line"), n))
     part = _parts(mesh)
     held |= part[edge >> 2] != part[np.maximum(flat_twin[edge], 0) >> 2]
     held = held.reshape(m, 3)
@@ -317,10 +318,6 @@ def _half_edges(mesh: Mesh, flat: np.ndarray, stays: np.ndarray) -> HalfEdges:
         Scratch(),
         exponent,
     )
-
-
-def _keys(a: np.ndarray, b: np.ndarray, n: int) -> np.ndarray:
-    return np.minimum(a, b) * n + np.maximum(a, b)
 
 
 def _parts(mesh: Mesh) -> np.ndarray:

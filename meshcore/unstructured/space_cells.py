@@ -148,6 +148,8 @@ class SpaceCells:
         """A triangulation that can be changed without changing this one."""
         copy = object.__new__(SpaceCells)
         copy.__dict__.update(self.__dict__)
+        copy.lists = Lists(self.quantum, self.extent, len(self.lists.cavity))
+        copy.lists.state[:] = self.state
         copy._set_capacity(self.capacity, self.n_cells)
         copy.cell_of = self.cell_of.copy()
         return copy

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -18,6 +17,7 @@ from . import _insertion_order_kernels as order_kernels
 from . import _tetrahedra_kernels as layout
 from .insertion_order import insertion_order
 from .space_cells import MAX_POINTS, Lists, SpaceCells
+from .threads import available_threads
 
 _POINTS_A_CHUNK = 20_000
 _CELLS_A_RANGE = 32_768
@@ -127,8 +127,7 @@ def number_of_threads(threads: int | None, n_points: int) -> int:
     """Threads to use: as asked, or all available cores as far as there are points enough for each."""
     if threads is not None:
         return threads
-    available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return max(1, min(available, n_points // _POINTS_WORTH_A_THREAD))
+    return max(1, min(available_threads(), n_points // _POINTS_WORTH_A_THREAD))
 
 
 def in_ranges(work: Callable[[int, int], None], n: int, threads: int) -> None:

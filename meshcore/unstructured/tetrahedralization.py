@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InvalidInput
 from ..geometry import predicates
+from ..geometry.location import Location
 from ..mesh import Mesh
 from ..progress import Progress, part_of, silent
 from . import _tetrahedra_export_kernels as export_kernels
@@ -25,6 +25,7 @@ from .space_insertion import (
     safe_exponent,
     space_order,
 )
+from .threads import checked_threads
 
 # What is smaller than this beside an extent of one could underflow in a predicate's products.
 _NEGLIGIBLE = 2.0 ** (predicates.LOWEST_BIT + 53)
@@ -122,7 +123,7 @@ class Tetrahedralization:
         >>> Tetrahedralization.from_points([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]).mesh()
         Mesh(4 points, 1 tetra)
         """
-        threads = _checked_threads(threads)
+        threads = checked_threads(threads)
         points = _coordinates(points)
         exponent = safe_exponent(points)
         order = space_order(_scaled(points, exponent), part_of(progress, 0.0, 0.1))
@@ -157,7 +158,7 @@ class Tetrahedralization:
         >>> space.mesh(), space.merged.tolist(), space.kept.tolist()
         (Mesh(6 points, 2 tetra), [5], [1])
         """
-        threads = _checked_threads(threads)
+        threads = checked_threads(threads)
         more = _coordinates(points)
         together = np.concatenate([self.points, more])
         exponent = safe_exponent(together)
@@ -199,7 +200,7 @@ class Tetrahedralization:
         """
         return Mesh(self.points, {"tetra": self._canonical.rows(self._threads)})
 
-    def locate(self, points: Any) -> tuple[np.ndarray, np.ndarray]:
+    def locate(self, points: Any) -> Location:
         """The cell that holds each of some points.
 
         Parameters
@@ -209,17 +210,17 @@ class Tetrahedralization:
 
         Returns
         -------
-        cell : (k,) int
-            Number of a cell of `mesh` that holds the point, or -1 outside the convex hull; decided exactly, but for
-            coordinates below about 1e-48 of the points' extent, which count as zero.
-        barycentric : (k, 4) float
-            Weights of the cell's corners, of sum 1 and not below zero but for rounding; NaN outside.
+        Location
+            ``cell``, (k,) int, is the number of a cell of `mesh` that holds the point, -1 outside the convex hull;
+            decided exactly, but for coordinates below about 1e-48 of the points' extent, which count as zero.
+            ``barycentric``, (k, 4) float, are weights of its corners, of sum 1 and not below zero but for rounding;
+            nan outside.
 
         Examples
         --------
         >>> space = Tetrahedralization.from_points([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
         >>> space.locate([[0.25, 0.25, 0.25]])
-        (array([0]), array([[0.25, 0.25, 0.25, 0.25]]))
+        Location(cell=array([0]), barycentric=array([[0.25, 0.25, 0.25, 0.25]]))
         """
         asked = _coordinates(points)
         numbers = np.full(len(asked), -1, np.int64)
@@ -233,7 +234,7 @@ class Tetrahedralization:
             space.cells, locate(space, scaled), canonical.rank, canonical.starts, canonical.corners, found
         )
         numbers[near] = found
-        return numbers, self._weights(numbers, asked)
+        return Location(numbers, self._weights(numbers, asked))
 
     def _weights(self, numbers: np.ndarray, asked: np.ndarray) -> np.ndarray:
         """(k, 4) float: barycentric coordinates of points in cells, NaN where the number is negative."""
@@ -282,9 +283,3 @@ def _coordinates(points: Any) -> np.ndarray:
 
 def _scaled(points: np.ndarray, exponent: int) -> np.ndarray:
     return np.ldexp(points, exponent) if exponent else points
-
-
-def _checked_threads(threads: int | None) -> int | None:
-    if threads is not None and (isinstance(threads, bool) or threads != int(threads) or not 1 <= threads <= 255):
-        raise InvalidInput(f"needs a whole number from 1 to 255, got {threads!r}", parameter="threads")
-    return None if threads is None else int(threads)

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import copy
-import numbers
-import os
 from typing import Any
 
 import numpy as np
@@ -21,6 +19,7 @@ from .half_edge_arrays import Scratch, grown
 from .insertion_order import InsertionOrder, insertion_order
 from .point_insertion import insert, insert_on_threads
 from .thin_clouds import planar_order
+from .threads import available_threads, checked_threads
 
 __all__ = ["Scratch", "Triangulation", "grown", "triangulated"]
 
@@ -140,7 +139,7 @@ class Triangulation:
     @property
     def vertex_of(self) -> np.ndarray:
         """(m,) int: for each point its vertex."""
-        vertex = np.empty(self.n_vertices + len(self.merged), np.int64)
+        vertex = np.empty(self.n_points, np.int64)
         vertex[self.order] = np.arange(self.n_vertices)
         vertex[self.merged] = vertex[self.kept]
         return vertex
@@ -356,11 +355,7 @@ def _rounds(n: int, corners: tuple[int, int, int], strides: tuple[int, ...]) -> 
 
 def _threads(wanted: int | None, n: int) -> int:
     """How many threads to use for n points; none gets fewer than `_POINTS_A_THREAD`."""
-    if wanted is not None and (isinstance(wanted, bool) or not isinstance(wanted, numbers.Integral) or wanted < 1):
-        raise InvalidInput(f"needs a whole number of at least 1, or None, got {wanted!r}", parameter="threads")
-    if wanted is None:
-        wanted = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return max(1, min(wanted, n // _POINTS_A_THREAD))
+    return max(1, min(checked_threads(wanted) or available_threads(), n // _POINTS_A_THREAD))
 
 
 def _first_triangle(mesh: Triangulation, parameter: str) -> tuple[int, int, int]:

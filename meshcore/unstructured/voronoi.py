@@ -167,7 +167,7 @@ def _diagram(
         raise InvalidInput(f"needs points in the plane z = 0, but z reaches {high:g}", parameter="points")
     if not cloud.n_points:
         raise InvalidInput("needs at least one point, got none", parameter="points")
-    exponent = _exponent(cloud, boundary, box)
+    exponent = _exponent(cloud, boundary, box if any(box) or isinstance(margin, Relative) else (margin,))
     xyz = np.ldexp(cloud.points[:, :dimension], -exponent)
     domain = domain_of(xyz, boundary, margin, box, exponent)
     rows = np.flatnonzero(domain.beyond(xyz) <= domain.tolerance)
@@ -180,9 +180,9 @@ def _diagram(
     return Result(mesh, _report(mesh, len(xyz), len(rows)))
 
 
-def _exponent(cloud: Mesh, boundary: Any, box: tuple[float, ...]) -> int:
+def _exponent(cloud: Mesh, boundary: Any, lengths: tuple[float, ...]) -> int:
     """The power of two that coordinates are divided by, so that their squares are safe; zero for all but extremes."""
-    most = max([float(np.abs(cloud.points).max()), *map(abs, box)])
+    most = max([float(np.abs(cloud.points).max()), *map(abs, lengths)])
     if isinstance(boundary, Mesh) and boundary.n_points:
         most = max(most, float(np.abs(boundary.points).max()))
     exponent = int(np.frexp(most)[1])

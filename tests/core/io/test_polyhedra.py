@@ -130,3 +130,10 @@ def test_a_stream_of_faces_that_does_not_fit_is_refused(tmp_path):
 def test_a_face_of_three_cells_is_refused():
     with pytest.raises(InvalidInput, match="belongs to 3 cells"):
         joined_faces(solid().points, np.array([0, 3, 6, 9]), np.array([0, 1, 2] * 3), np.arange(3))
+
+
+@pytest.mark.parametrize("extension", [".vtu", ".vtk", ".ply", ".off"])
+def test_no_polygons_at_all(tmp_path, extension):
+    path = tmp_path / f"none{extension}"
+    mc.io.write(path, PolyhedralMesh(np.empty((0, 3)), [0], np.empty(0, int)))
+    assert mc.io.read(path).n_cells == 0

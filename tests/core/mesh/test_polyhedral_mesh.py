@@ -133,6 +133,7 @@ BAD = {
     "sides": ({"owner": [1], "neighbour": [0]}, InvalidInput, "face 0 lies between 1 and 0"),
     "negative": ({"owner": [-1], "neighbour": [-1]}, InvalidInput, "every face needs an owner"),
     "flat cell": ({"owner": [0], "neighbour": [-1]}, InvalidGeometry, "cell 0 has 1 faces"),
+    "far cell": ({"owner": [10**15], "neighbour": [-1]}, InvalidInput, "names cell 1000000000000000"),
     "data": ({"cell_data": {"a": [1, 2]}}, InvalidInput, "cell_data"),
 }
 

@@ -212,6 +212,14 @@ def test_adding_and_locating_agree_with_the_twins(points, queries, first):
     np.testing.assert_allclose(np.einsum("kc,kcx->kx", weights[inside], corners), queries[inside], atol=1e-13)
 
 
+def test_each_point_has_a_vertex_whenever_it_came():
+    mesh = Triangulation.from_points([[0, 0], [1, 0], [1, 1], [0, 1], [1, 0]])
+    mesh.add([[0, 0], [0.5, 0.5], [0.5, 0.5]])
+    assert len(mesh.vertex_of) == mesh.n_points == 8
+    assert (mesh.xy.reshape(-1, 2)[mesh.vertex_of] == mesh.points[:, :2]).all()
+    assert mesh.merged.tolist() == [4, 5, 7] and mesh.kept.tolist() == [1, 0, 6]
+
+
 def test_vertices_and_odd_places_are_located():
     points = CLOUDS["clumps"]
     mesh = Triangulation.from_points(points)

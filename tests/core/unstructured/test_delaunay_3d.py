@@ -140,6 +140,7 @@ def test_points_that_do_not_span_space(points, message):
         ("points", {}),
         (np.eye(4, 3), {"threads": 0}),
         (np.eye(4, 3), {"threads": 1.5}),
+        (np.eye(4, 3), {"threads": 256}),
         ([[0, 0, 0], [1e-200, 0, 0], [0, 1, 0], [0, 0, 1]], {}),
     ],
 )
@@ -154,6 +155,12 @@ def test_cancelling(threads, fraction, small_chunks):
     points = np.random.default_rng(1).random((5000, 3))
     with pytest.raises(Cancelled):
         delaunay_3d(points, threads=threads, progress=lambda done, message: done < fraction)
+
+
+@pytest.mark.parametrize("threads", [0, 256, 2.0, True, "two", np.nan])
+def test_bad_numbers_of_threads_are_refused(threads):
+    with pytest.raises(InvalidInput, match="threads"):
+        Tetrahedralization.from_points(np.eye(4, 3), threads=threads)
 
 
 def test_a_mesh_gives_its_points():

@@ -9,6 +9,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from meshcore import InvalidGeometry, InvalidInput, Tetrahedralization, Triangulation, delaunay_2d, delaunay_3d
+from meshcore.unstructured import space_insertion
+from meshcore.unstructured import triangulation as plane
 from tests import naive_delaunay as twin
 from tests import point_sets
 from tests.core.unstructured import delaunay_checks
@@ -117,11 +119,21 @@ def test_larger_sets_are_delaunay(name, d):
 
 @both
 @pytest.mark.parametrize("name", ["uniform", "shuffled_grid", "rotated_grid", "sphere", "clumps", "duplicates"])
-def test_threads_change_no_bit(name, d):
+def test_threads_change_no_bit(name, d, monkeypatch):
+    # Few points a thread are enough here.
+    monkeypatch.setattr(plane, "_POINTS_A_THREAD", 1000)
+    monkeypatch.setattr(space_insertion, "_POINTS_A_CHUNK", 200)
+    monkeypatch.setattr(space_insertion, "_CELLS_A_RANGE", 1024)
+    on_threads = []
+    for module, function in ((plane, "insert_on_threads"), (space_insertion, "_insert_in_parts")):
+        insertion = getattr(module, function)
+        monkeypatch.setattr(module, function, lambda *a, run=insertion: on_threads.append(1) or run(*a))
     points = point_sets.PLANE[name](40_000 if d == 2 else 20_000, d, np.random.default_rng(1))
     alone = cells_of(points, threads=1)
+    assert not on_threads
     for threads in (2, 3):
         np.testing.assert_array_equal(cells_of(points, threads=threads), alone)
+    assert len(on_threads) >= 2
 
 
 @both

@@ -166,6 +166,19 @@ def test_tiny_features_far_from_the_origin():
     assert invariants.angles(mesh).min() > 24.9
 
 
+@pytest.mark.parametrize("placement", ["lattice", "off-centre", "circumcentre", "front"])
+@pytest.mark.parametrize("extent", [1.0, 1e-3])
+def test_lines_far_from_the_origin_are_split(extent, placement):
+    """Points on slanted lines are off them by the rounding of coordinates, far more than of lengths."""
+    boundary = square_with_hole()
+    moved = boundary.with_points(extent * boundary.points + [1e8, 1e8, 0])
+    mesh, report = delaunay_refinement(moved, size=0.05 * extent, min_angle=25, placement=placement)
+    assert report.converged and report.counts["points added on lines"] > 50
+    invariants.assert_is_triangulation(mesh)
+    assert invariants.angles(mesh).min() > 24.9
+    assert invariants.longest_edges(mesh).max() <= 0.05 * extent + 1e-7
+
+
 @pytest.mark.parametrize("scale", [1e-30, 1e-8, 1e8, 1e30])
 def test_scale_does_not_matter(scale):
     power = 2.0 ** round(np.log2(scale))
@@ -276,6 +289,15 @@ def test_upright_planes_keep_every_bit(axes):
     )
     disc = float(invariants.shoelace(circle(13, radius=0.25).points[:, :2].tolist()))
     assert area == pytest.approx(1 - disc, rel=1e-12)
+
+
+@pytest.mark.parametrize("placement", ["automatic", "off-centre", "circumcentre", "lattice", "front"])
+@pytest.mark.parametrize("smallest", [1e-170, 1e-300, 5e-324])
+def test_sizes_whose_squares_underflow_are_refused(placement, smallest):
+    for keywords in ({"size": smallest}, {"max_area": smallest}, {"size_field": lambda p: np.full(len(p), smallest)}):
+        if placement != "lattice" or "size_field" not in keywords:
+            with pytest.raises(InvalidInput, match=r"would make about .* triangles"):
+                delaunay_refinement(square_with_hole(), placement=placement, **keywords)
 
 
 def test_absurd_sizes_are_refused_before_memory_is_used():

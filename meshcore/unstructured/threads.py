@@ -1,0 +1,44 @@
+"""How many threads share a piece of work."""
+
+from __future__ import annotations
+
+import numbers
+import os
+
+from ..errors import InvalidInput
+
+MOST_THREADS = 255
+"""Parts are numbered by one byte."""
+
+
+def checked_threads(threads: int | None) -> int | None:
+    """A number of threads as the caller gave it, or None.
+
+    Raises
+    ------
+    InvalidInput
+        If it is no whole number from 1 to 255.
+
+    Examples
+    --------
+    >>> checked_threads(2), checked_threads(None)
+    (2, None)
+    """
+    if threads is None:
+        return None
+    if isinstance(threads, bool) or not isinstance(threads, numbers.Integral) or not 1 <= threads <= MOST_THREADS:
+        raise InvalidInput(
+            f"needs a whole number from 1 to {MOST_THREADS}, or None, got {threads!r}", parameter="threads"
+        )
+    return int(threads)
+
+
+def available_threads() -> int:
+    """How many threads can run at once: the cores that this process may use.
+
+    Examples
+    --------
+    >>> available_threads() >= 1
+    True
+    """
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
