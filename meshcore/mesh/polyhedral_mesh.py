@@ -368,17 +368,17 @@ def _check_sides(owner: np.ndarray, neighbour: np.ndarray, n_faces: int) -> None
             raise InvalidInput(f"needs one cell a face, that is {n_faces}, got {len(cells)}", parameter=name)
     if n_faces and owner.min() < 0:
         raise InvalidInput("every face needs an owner; turn faces that have only a neighbour", parameter="owner")
-    if n_faces and max(owner.max(), neighbour.max()) >= n_faces:  # before memory is asked for as many cells
-        raise InvalidInput(
-            f"names cell {max(owner.max(), neighbour.max())}, but there are only {n_faces} faces; number cells from 0",
-            parameter="owner",
-        )
     wrong = np.flatnonzero((neighbour != -1) & (neighbour <= owner))
     if len(wrong):
         k = wrong[0]
         raise InvalidInput(
             f"face {k} lies between {owner[k]} and {neighbour[k]}; the owner is the smaller one, -1 is the outside",
             parameter="neighbour",
+        )
+    if n_faces and max(owner.max(), neighbour.max()) >= n_faces:  # before memory is asked for as many cells
+        raise InvalidInput(
+            f"names cell {max(owner.max(), neighbour.max())}, but there are only {n_faces} faces; number cells from 0",
+            parameter="owner",
         )
     count = np.bincount(np.concatenate([owner, neighbour[neighbour >= 0]]))
     few = np.flatnonzero(count < 4)
