@@ -193,8 +193,7 @@ def _panel(op: Operation) -> str:
     """All properties of an operation, in order, and their groups."""
     inputs = list(op.inputs.values())
     parts = [_documentation(op.summary, f" short_help={quoteattr(op.label)}")]
-    count = len(inputs) - len(_beside(op))
-    parts += [_input(port, number, count) for number, port in enumerate(inputs)]
+    parts += [_input(port, number, inputs) for number, port in enumerate(inputs)]
     own: dict[str, list[str]] = {}
     for param in op.params.values():
         parts.append(_property(param, bool(inputs)))
@@ -218,10 +217,11 @@ def _documentation(text: str, attributes: str = "") -> str:
     return "\n".join(textwrap.wrap(f"<Documentation{attributes}>{text}</Documentation>", 112))
 
 
-def _input(port: Port, number: int, count: int) -> str:
-    """An input; the first is called Input as in all of ParaView, and goes by its label only if it is one of several."""
+def _input(port: Port, number: int, inputs: list[Port]) -> str:
+    """An input; the first is called Input as in all of ParaView, and goes by its label only if it has one like it."""
     name = "Input" if number == 0 else _camel(port.name)
-    label = quoteattr(port.label if count > 1 or number else name)
+    alike = any(other.cells == port.cells for other in inputs[1:])
+    label = quoteattr(port.label if alike or number else name)
     accepted = "vtkStructuredGrid" if _takes(port) == "grid" else "vtkDataSet"
     optional = "\n  <Hints><Optional/></Hints>" if port.optional else ""
     return f"""<InputProperty name="{name}" label={label} port_index="{number}" command="SetInputConnection">

@@ -1402,7 +1402,7 @@ class meshcoreSmoothing(Operation):
     """
     <Documentation short_help="Voronoi Cells 2D">Divide the plane among points: each cell is what is nearer to its
     site than to any other.</Documentation>
-    <InputProperty name="Input" label="Points" port_index="0" command="SetInputConnection">
+    <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
       <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
       <DataTypeDomain name="input_type" composite_data_supported="0">
         <DataType value="vtkDataSet"/>
@@ -1456,7 +1456,7 @@ class meshcoreVoronoiCells2D(Operation):
     """
     <Documentation short_help="Voronoi Cells 3D">Divide space among points: each cell is what is nearer to its site
     than to any other.</Documentation>
-    <InputProperty name="Input" label="Points" port_index="0" command="SetInputConnection">
+    <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
       <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
       <DataTypeDomain name="input_type" composite_data_supported="0">
         <DataType value="vtkDataSet"/>

@@ -28,6 +28,12 @@ def load_plugin(*, remote: bool = False) -> None:
     LoadPlugin(str(PLUGIN), remote=remote)
 
 
+def input_names(operation) -> list[str]:
+    """What a script calls the inputs of an operation: the first is Input, but for the four sides of a patch."""
+    names = [name.title().replace("_", "") for name in operation.inputs]
+    return names if operation.id == "transfinite" else ["Input", *names[1:]]
+
+
 @contextlib.contextmanager
 def said():
     """Collect all that is written to standard error, by Python and by VTK alike: a list of one text afterwards."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import paraview.simple as pv
 from datasets import of_mesh, producer
-from harness import OUT, load_plugin, rank, run_checks, save
+from harness import OUT, input_names, load_plugin, rank, run_checks, save
 from vtkmodules.vtkCommonCore import vtkIntArray
 from vtkmodules.vtkParallelCore import vtkCommunicator, vtkMultiProcessController
 
@@ -46,8 +46,7 @@ def check_every_operation(operation):
     inputs, keywords = gallery.arguments(operation)
     entry = meshcore.operations()[operation]
     mesh = entry.function(*inputs, **keywords).mesh
-    names = ["Input"] if len(entry.inputs) == 1 else [name.title() for name in entry.inputs]
-    sources = dict(zip(names, (producer(of_mesh(m)) for m in inputs), strict=False))
+    sources = dict(zip(input_names(entry), (producer(of_mesh(m)) for m in inputs), strict=False))
     shown = {name.title().replace("_", ""): value for name, value in keywords.items()}
     create = getattr(pv, "meshcore" + entry.label.replace(" ", ""))
     assert_all_on_rank_0(create(**sources, **shown), mesh.n_cells)

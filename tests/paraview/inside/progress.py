@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import paraview.simple as pv
 from datasets import of_mesh, polylines, producer
-from harness import load_plugin, run_checks, said
+from harness import input_names, load_plugin, run_checks, said
 
 import meshcore
 from meshcore import gallery
@@ -16,8 +16,7 @@ def model(operation):
     """A filter on the gallery's model, not run yet."""
     inputs, keywords = gallery.arguments(operation)
     entry = meshcore.operations()[operation]
-    names = ["Input"] if len(entry.inputs) == 1 else [name.title() for name in entry.inputs]
-    sources = dict(zip(names, (producer(of_mesh(m)) for m in inputs), strict=False))
+    sources = dict(zip(input_names(entry), (producer(of_mesh(m)) for m in inputs), strict=False))
     shown = {name.title().replace("_", ""): value for name, value in keywords.items()}
     return getattr(pv, "meshcore" + entry.label.replace(" ", ""))(**sources, **shown)
 

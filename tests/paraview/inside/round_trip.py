@@ -18,7 +18,7 @@ from datasets import (
     texts,
     unstructured,
 )
-from harness import OUT, load_plugin, run_checks, save
+from harness import OUT, input_names, load_plugin, run_checks, save
 
 import meshcore
 from meshcore import gallery
@@ -47,12 +47,6 @@ def meshcore_value(param, value):
     return None if param.optional and not value else value
 
 
-def labels_of(operation):
-    """Names of the inputs in a script: Input if there is one beside an optional background, else by their labels."""
-    ports = [name for name in operation.inputs if name != "background"]
-    return ["Input"] if len(ports) == 1 else [camel(name) for name in ports]
-
-
 def filter_and_call(identifier, inputs=None, **more):
     """The filter on the gallery's model, and meshcore called with what its panel says."""
     operation = meshcore.operations()[identifier]
@@ -62,7 +56,7 @@ def filter_and_call(identifier, inputs=None, **more):
     sources = [producer(of_mesh(mesh)) for mesh in given]
     create = getattr(pv, "meshcore" + operation.label.replace(" ", ""))
     shown = {camel(name): panel_value(operation.params[name], value) for name, value in keywords.items()}
-    proxy = create(**dict(zip(labels_of(operation), sources, strict=False)), **shown)
+    proxy = create(**dict(zip(input_names(operation), sources, strict=False)), **shown)
     values = {p.name: meshcore_value(p, getattr(proxy, camel(p.name))) for p in operation.params.values()}
     return proxy, operation.function(*given, **values).mesh
 
