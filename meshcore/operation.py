@@ -127,7 +127,7 @@ class Param:
         if self.kind == "choice":
             if value not in self.choices:
                 self._fail(f"{value!r} is not one of {', '.join(self.choices)}")
-            return value
+            return self.choices[self.choices.index(value)]  # a host's own kind of text becomes plain text
         if self.kind == "str":
             if not isinstance(value, str):
                 self._fail(f"needs text, got {value!r}")

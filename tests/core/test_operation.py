@@ -82,6 +82,16 @@ def test_a_call_is_an_ordinary_call_with_checked_values(sample):
     assert sample.__doc__ == "Return what came in."
 
 
+def test_a_hosts_own_kind_of_text_becomes_plain_text(sample):
+    class Enumeration:  # like ParaView's: equal to a text, but not one, and not hashable
+        __hash__ = None
+
+        def __eq__(self, other):
+            return other == "good"
+
+    assert type(sample([1], mode=Enumeration()).mesh["mode"]) is str
+
+
 @pytest.mark.parametrize(
     ("keyword", "value", "text"),
     [

@@ -70,7 +70,7 @@ class Host:
             **more,
         }
 
-    def execute(self, *command: str | Path, timeout: float = 240, **more: str) -> tuple[int, str]:
+    def execute(self, *command: str | Path, timeout: float = 900, **more: str) -> tuple[int, str]:
         """Run a command to its end; its exit code and all that it said."""
         assert shutil.which(str(command[0])), f"{command[0]} is not here: apt install paraview xvfb openmpi-bin"
         process = subprocess.Popen(
