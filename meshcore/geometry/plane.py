@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -37,7 +38,7 @@ class Plane:
         """(3,) float: unit normal."""
         return np.cross(*self.axes)
 
-    @property
+    @cached_property
     def _kept_axes(self) -> np.ndarray | None:
         """The two coordinates that the plane's own are, where the frame only drops one."""
         columns = self.axes.argmax(axis=1)

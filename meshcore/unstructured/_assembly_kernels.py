@@ -86,16 +86,31 @@ def narrow_parts(xy, origin, twin, n_triangles):
 
 
 @kernel
-def mark_corners(corners, number):
-    """Set the number of each vertex with a triangle from `UNUSED` to `USED`; return how many there are."""
-    count = 0
+def number_corners(corners, order, source, vertex_at, number, kept):
+    """Number the vertices with a triangle that stand for input points, in the order of these; mark others as `USED`.
+
+    ``order`` is the point of the graph under each vertex that refinement has not added, ``source`` the input point
+    that this is, ascending, but -1 for points without. ``number`` and ``vertex_at``, of the length of ``source``, start
+    as `UNUSED`. ``kept`` gets the input points. The answers are how many these are, and how many vertices others.
+    """
+    used = 0
     for t in range(len(corners)):
         for k in range(3):
             v = corners[U(t), U(k)]
             if number[U(v)] == UNUSED:
                 number[U(v)] = USED
-                count += 1
-    return count
+                used += 1
+    for v in range(len(order)):
+        if number[U(v)] == USED:
+            vertex_at[U(order[U(v)])] = v
+    count = 0
+    for p in range(len(source)):
+        v = vertex_at[U(p)]
+        if v >= 0 and source[U(p)] >= 0:
+            number[U(v)] = count
+            kept[U(count)] = source[U(p)]
+            count += 1
+    return count, used - count
 
 
 @kernel

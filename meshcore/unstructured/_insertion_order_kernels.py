@@ -9,6 +9,8 @@ N. Amenta, S. Choi, G. Rote, "Incremental constructions con BRIO", Proc. 19th Sy
 G. Steele, D. Lea, C. Flood, "Fast splittable pseudorandom number generators", OOPSLA (2014), for the hash.
 """
 
+import math
+
 import numpy as np
 
 from .._numba import kernel
@@ -269,3 +271,45 @@ def gather(points, dimension, order, coordinates):
         coordinates[U(3 * i)] = points[row, U(0)]
         coordinates[U(3 * i + 1)] = points[row, U(1)]
         coordinates[U(3 * i + 2)] = points[row, U(2)]
+
+
+@kernel
+def is_surely_thick(points, step, outliers):
+    """Whether more than ``outliers`` of a sample are farther from the line that fits it than points are apart on it.
+
+    The sample is every so many points; `thin_clouds` says what for.
+    """
+    mean_x = mean_y = 0.0
+    count = 0
+    for i in range(0, len(points), step):
+        mean_x += points[U(i), U(0)]
+        mean_y += points[U(i), U(1)]
+        count += 1
+    mean_x /= count
+    mean_y /= count
+    size = 0.0
+    for i in range(0, len(points), step):
+        size = max(size, abs(points[U(i), U(0)] - mean_x), abs(points[U(i), U(1)] - mean_y))
+    if size == 0.0:
+        return False
+    xx = xy = yy = 0.0
+    for i in range(0, len(points), step):
+        x = (points[U(i), U(0)] - mean_x) / size
+        y = (points[U(i), U(1)] - mean_y) / size
+        xx += x * x
+        xy += x * y
+        yy += y * y
+    angle = 0.5 * math.atan2(2.0 * xy, xx - yy)
+    cosine, sine = math.cos(angle), math.sin(angle)
+    low = math.inf
+    high = -math.inf
+    for i in range(0, len(points), step):
+        along = (cosine * (points[U(i), U(0)] - mean_x) + sine * (points[U(i), U(1)] - mean_y)) / size
+        low = min(low, along)
+        high = max(high, along)
+    far = 0
+    for i in range(0, len(points), step):
+        across = (cosine * (points[U(i), U(1)] - mean_y) - sine * (points[U(i), U(0)] - mean_x)) / size
+        if abs(across) * len(points) > high - low:
+            far += 1
+    return far > min(outliers, (count - 1) // 2)

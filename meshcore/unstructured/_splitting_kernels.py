@@ -11,6 +11,9 @@ import math
 from .._numba import kernel
 from ._half_edge_kernels import U
 
+# The cosine of 60 degrees, and a little more: angles of 60 degrees up to rounding are not acute.
+_HALF = 0.5 + 1e-15
+
 
 @kernel
 def roundest(low, high):
@@ -57,3 +60,31 @@ def split_place(xy, a, b, p, q, acute_p, acute_q):
         far = math.sqrt((bx - px) ** 2 + (by - py) ** 2)
     share = split_distance(min(near, far), max(near, far)) / length
     return px + share * (qx - px), py + share * (qy - py)
+
+
+@kernel
+def mark_acute(xy, pieces, others, count, acute):
+    """Write 1 for vertices where two pieces meet at less than 60 degrees; ``count`` starts as zeros, as does ``acute``.
+
+    Of seven pieces two do, so ``others``, the far ends of the pieces seen so far, needs six places a vertex.
+    """
+    for p in range(len(pieces)):
+        for end in range(2):
+            v = pieces[U(p), U(end)]
+            if acute[U(v)]:
+                continue
+            w = pieces[U(p), U(1 - end)]
+            ux = xy[U(2 * w)] - xy[U(2 * v)]
+            uy = xy[U(2 * w + 1)] - xy[U(2 * v + 1)]
+            n = int(count[U(v)])
+            for i in range(n):
+                o = others[U(v), U(i)]
+                vx = xy[U(2 * o)] - xy[U(2 * v)]
+                vy = xy[U(2 * o + 1)] - xy[U(2 * v + 1)]
+                if ux * vx + uy * vy > _HALF * math.sqrt(ux * ux + uy * uy) * math.sqrt(vx * vx + vy * vy):
+                    acute[U(v)] = 1
+            if n == 6:
+                acute[U(v)] = 1
+            else:
+                others[U(v), U(n)] = w
+                count[U(v)] = n + 1

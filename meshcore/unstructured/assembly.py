@@ -71,17 +71,14 @@ def assembled(
 
 def _numbered(triangulation: ConstrainedTriangulation, refinement: Refinement):
     """Number in the mesh of each vertex; the input points that are used, in order; (k, 2) places of those added."""
-    n = len(refinement.xy)
-    number = np.full(n, kernels.UNUSED, np.int32)
-    order = triangulation.triangulation.order
-    source = triangulation.graph.source[order]
-    used = kernels.mark_corners(refinement.corners, number)
-    old = np.flatnonzero((number[: len(order)] == kernels.USED) & (source >= 0))
-    old = old[np.argsort(source[old])]
-    number[old] = np.arange(len(old))
-    added = np.empty((used - len(old), 2))
-    kernels.number_rest(np.ascontiguousarray(refinement.xy), len(old), number, added)
-    return number, source[old], added
+    order, source = triangulation.triangulation.order, triangulation.graph.source
+    number = np.full(len(refinement.xy), kernels.UNUSED, np.int32)
+    vertex_at = np.full(len(source), kernels.UNUSED, np.int32)
+    kept = np.empty(len(source), np.int64)
+    n_kept, n_added = kernels.number_corners(refinement.corners, order, source, vertex_at, number, kept)
+    added = np.empty((n_added, 2))
+    kernels.number_rest(np.ascontiguousarray(refinement.xy), n_kept, number, added)
+    return number, kept[:n_kept], added
 
 
 def _stopped(refinement: Refinement, min_angle: float) -> str:

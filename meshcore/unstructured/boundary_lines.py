@@ -16,6 +16,14 @@ def line_cells(boundary: Mesh) -> np.ndarray:
     return np.empty(0, np.int64)
 
 
+def used_points(boundary: Mesh) -> np.ndarray:
+    """(k,) int: the points of a boundary that its "line" and "vertex" cells use."""
+    used = np.zeros(boundary.n_points, bool)
+    used[boundary.get("line")] = True
+    used[boundary.get("vertex")] = True
+    return np.flatnonzero(used)
+
+
 def edges_on_lines(
     origin: np.ndarray, twin: np.ndarray, piece_of: np.ndarray, slots: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:

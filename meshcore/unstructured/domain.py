@@ -193,10 +193,12 @@ def domain(mesh: ConstrainedTriangulation, seeds: Seeds, max_area: float, *, kee
 
 def _by_first_line(mesh: ConstrainedTriangulation, keep: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
     """The kept faces but the outer one, in the order of the first input line beside each."""
+    kept = 1 + np.flatnonzero(keep[1:])
+    if len(kept) < 2:
+        return kept
     first = np.full(mesh.n_faces, np.iinfo(np.int64).max)
     np.minimum.at(first, left, mesh.line)
     np.minimum.at(first, right, mesh.line)
-    kept = 1 + np.flatnonzero(keep[1:])
     return kept[np.argsort(first[kept], kind="stable")]
 
 

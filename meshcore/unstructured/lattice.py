@@ -82,12 +82,12 @@ def filled(
     InvalidGeometry
         If divided lines cross by rounding, unless it has to be worthwhile.
     """
-    spacing = np.where(parts.keep, _spacing(parts.max_area, size), np.inf)
-    if not np.isfinite(spacing).any():
+    if np.isinf(size) and np.isinf(parts.max_area[parts.keep]).all():
         if worthwhile:
             return None
         raise InvalidInput("a lattice needs size, max_area or an area in regions", parameter="placement")
     expected_triangles(mesh, parts, size)  # refuses too many
+    spacing = np.where(parts.keep, _spacing(parts.max_area, size), np.inf)
     spacing[spacing > np.ptp(mesh.graph.points, axis=0).max()] = np.inf  # then no site fits in
     left, right = mesh.faces_beside
     wanted = np.minimum(spacing[left], spacing[right])

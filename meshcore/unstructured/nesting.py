@@ -41,11 +41,11 @@ def nesting_levels(edges: np.ndarray, left: np.ndarray, right: np.ndarray, n_fac
     array([0, 1, 0])
     """
     block, is_even = _blocks(edges)
-    steps = np.column_stack([left, right, block])
-    steps = np.unique(np.concatenate([steps, steps[:, [1, 0, 2]]])[np.tile((left != right) & (block >= 0), 2)], axis=0)
+    is_step = (left != right) & (block >= 0)
     across: dict[int, list[tuple[int, int]]] = defaultdict(list)
-    for f, g, b in steps.tolist():
+    for f, g, b in sorted(set(zip(*(of[is_step].tolist() for of in (left, right, block)), strict=True))):
         across[f].append((g, b))
+        across[g].append((f, b))
     level = np.full(n_faces, -1)
     level[0] = 0
     # A block is first met from the one face that surrounds it, since every way into it leads through that face.

@@ -95,7 +95,8 @@ def planar_graph(
         warnings.append(f"{len(segments) - len(first)} lines that repeat others were dropped")
     if len(lines) and not len(first):
         raise InvalidGeometry("has only lines without length", parameter=parameter, cells=range(len(lines)))
-    clean = np.where(np.abs(points[source]) < NOTHING * largest, 0.0, points[source])
+    clean = points[source]
+    clean[np.abs(clean) < NOTHING * largest] = 0.0
     return PlanarGraph(clean, source, segments[first], real[first], warnings)
 
 
@@ -103,7 +104,7 @@ def _first_of_each(segments: np.ndarray) -> np.ndarray:
     """Numbers of the segments that repeat no earlier one, in order."""
     if not len(segments):
         return np.empty(0, np.int64)
-    low, high = segments.min(axis=1), segments.max(axis=1)
+    low, high = np.minimum(*segments.T), np.maximum(*segments.T)
     key = low * (int(high.max()) + 1) + high
     ordered = np.sort(key)  # a plain sort is far faster than one that returns numbers, and mostly enough
     if (ordered[1:] != ordered[:-1]).all():

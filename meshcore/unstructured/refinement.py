@@ -14,7 +14,7 @@ from ..progress import Progress, advance, part_of, silent
 from ..report import Result
 from ..sizing.size_field import SizeField
 from .assembly import assembled
-from .boundary_lines import line_cells
+from .boundary_lines import line_cells, used_points
 from .constrained import constrained
 from .domain import collected_seeds, domain
 from .front import Front
@@ -181,18 +181,17 @@ def delaunay_refinement(
         raise InvalidInput("must be greater than zero, got 0; leave it out for no limit", parameter="max_area")
     segments = boundary.get("line")
     vertices = boundary.get("vertex").ravel()
-    used = np.unique(np.concatenate([segments.ravel(), vertices]))
-    plane = fitted_plane(boundary.points[used], parameter="boundary")
+    used = boundary.points[used_points(boundary)]
+    plane = fitted_plane(used, parameter="boundary")
     graph = planar_graph(plane.to_plane(boundary.points), segments, vertices, "boundary")
     graph.line = line_cells(boundary)[graph.line]
-    diagonal = float(np.linalg.norm(np.ptp(boundary.points[used], axis=0)))
     marks = collected_seeds(boundary, holes, regions, plane, seeds)
     mesh = constrained(
         graph, split_crossings=crossings == "split", parameter="boundary", progress=part_of(progress, 0.0, 0.2)
     )
     parts = domain(mesh, marks, np.inf if max_area is None else max_area)
     sizes = sizing(boundary, background, size_array, gradation, size_field, plane, mesh, parts)
-    length = np.inf if size is None else absolute(size, diagonal)
+    length = np.inf if size is None else absolute(size, float(np.linalg.norm(np.ptp(used, axis=0))))
     lattice = None
     why_not = _no_lattice(min_angle, sizes is not None, split_boundary)
     if placement == "lattice" and why_not:

@@ -13,6 +13,7 @@ from ..progress import Progress, advance, part_of
 from . import _assembly_kernels as assembly_kernels
 from . import _half_edge_kernels as half_edges
 from . import _refinement_kernels as kernels
+from . import _splitting_kernels as splitting_kernels
 from .boundary_lines import edges_on_lines
 from .constrained import ConstrainedTriangulation
 from .domain import Domain
@@ -386,18 +387,6 @@ def _off_centre(min_angle: float) -> float:
 
 def acute_vertices(xy: np.ndarray, pieces: np.ndarray) -> np.ndarray:
     """(n,) uint8: 1 for vertices where two pieces meet at less than 60 degrees."""
-    acute = np.zeros(len(xy), np.uint8)
-    ends = np.concatenate([pieces[:, :2], pieces[:, 1::-1]])
-    along = xy[ends[:, 1]] - xy[ends[:, 0]]
-    angle = np.arctan2(along[:, 1], along[:, 0])
-    order = np.lexsort((angle, ends[:, 0]))
-    vertex, angle = ends[order, 0], angle[order]
-    first = np.concatenate([[True], vertex[1:] != vertex[:-1]])
-    starts = np.flatnonzero(first)
-    stops = np.append(starts[1:], len(vertex))
-    after = np.arange(1, len(vertex) + 1)
-    after[stops - 1] = starts
-    gap = (angle[after] - angle) % (2 * np.pi)
-    alone = np.repeat(stops - starts == 1, stops - starts)
-    acute[vertex[(gap < np.radians(60)) & ~alone]] = 1
+    acute, count = np.zeros((2, len(xy)), np.uint8)
+    splitting_kernels.mark_acute(xy.reshape(-1), pieces, np.empty((len(xy), 6), np.int32), count, acute)
     return acute

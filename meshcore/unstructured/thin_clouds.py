@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..progress import Progress, silent
+from . import _insertion_order_kernels as kernels
 from .insertion_order import InsertionOrder, insertion_order
 
 _SAMPLE = 1000
@@ -41,7 +42,8 @@ def planar_order(points: np.ndarray, progress: Progress = silent) -> tuple[Inser
     >>> order.rows.tolist(), order.merged.tolist(), thin
     ([1, 2, 0, 4], [3], True)
     """
-    along = _places_along_line(points[:, :2])
+    thick = len(points) < 3 or kernels.is_surely_thick(points, max(1, len(points) // _SAMPLE), _OUTLIERS)
+    along = None if thick else _places_along_line(points[:, :2])
     if along is None:
         return insertion_order(points, 2, rounds=False, progress=progress), False
     rows = np.lexsort((points[:, 1], points[:, 0], along))
@@ -58,10 +60,7 @@ def planar_order(points: np.ndarray, progress: Progress = silent) -> tuple[Inser
 def _places_along_line(xy: np.ndarray) -> np.ndarray | None:
     """(n,) float: where points lie along their line, if all but few are nearer to it than to each other; else None."""
     n = len(xy)
-    sample = xy[:: max(1, n // _SAMPLE)]
-    if n < 3 or not _is_thin(*_in_principal_axes(sample, sample), n):
-        return None
-    along, across = _in_principal_axes(xy, sample)
+    along, across = _in_principal_axes(xy, xy[:: max(1, n // _SAMPLE)])
     return along if _is_thin(along, across, n) else None
 
 
