@@ -43,4 +43,6 @@ def part_of(progress: Progress, start: float, stop: float) -> Progress:
     >>> seen
     [0.75]
     """
+    if progress is silent:
+        return silent
     return lambda fraction, message: progress(start + (stop - start) * fraction, message)

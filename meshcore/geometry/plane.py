@@ -68,7 +68,7 @@ class Plane:
         return (np.asarray(points, float) - self.origin) @ self.normal
 
 
-# The right-handed pair of coordinates that remains when one is constant.
+# The right-handed pair of coordinates that remains when one is constant; of several the first here counts.
 _REMAINING = {2: (0, 1), 1: (2, 0), 0: (1, 2)}
 
 
@@ -104,13 +104,13 @@ def fitted_plane(points: np.ndarray, *, tolerance: float = 1e-6, parameter: str 
     points = np.asarray(points, float).reshape(-1, 3)
     if not len(points):
         return Plane(np.zeros(3), np.eye(3)[:2])
+    for axis, (first, second) in _REMAINING.items():
+        if (points[:, axis] == points[0, axis]).all():
+            origin, axes = np.zeros(3), np.zeros((2, 3))
+            origin[axis] = points[0, axis]
+            axes[0, first] = axes[1, second] = 1
+            return Plane(origin, axes)
     spread = np.ptp(points, axis=0)
-    constant = np.flatnonzero(spread == 0)
-    if len(constant):
-        axis = int(constant[-1])  # z first, then y, then x
-        origin = np.zeros(3)
-        origin[axis] = points[0, axis]
-        return Plane(origin, np.eye(3)[list(_REMAINING[axis])])
     scale = float(spread.max())
     centre = points.min(axis=0) / 2 + points.max(axis=0) / 2
     relative = (points - centre) / scale

@@ -160,6 +160,8 @@ def resolved(queries: np.ndarray) -> np.ndarray:
     >>> resolved(np.array([[0.5, 1e-300]]))
     array([[0.5, 0. ]])
     """
+    if is_safe(queries):
+        return queries
     queries = np.clip(queries, -(2.0**200), 2.0**200)
     tiny = np.abs(queries) < 2.0 ** (LOWEST_BIT + 53)
     queries[tiny] = np.ldexp(np.rint(np.ldexp(queries[tiny], -LOWEST_BIT)), LOWEST_BIT)
