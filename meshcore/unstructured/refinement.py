@@ -235,7 +235,7 @@ def delaunay_refinement(
     if lattice is not None:
         refinement.splits += lattice.on_lines
         refinement.insertions += lattice.inside
-    advance(progress, 0.9, "checking the mesh")
+    advance(progress, 0.9, "writing the mesh")
     on_lines = refiner.on_lines() if lines else None
     return assembled(boundary, plane, mesh, parts, refinement, min_angle, split_boundary, on_lines)
 

@@ -435,3 +435,17 @@ def test_refinement_that_does_not_end_is_stopped(monkeypatch):
         assert not report.converged
         told = report.warnings[0]
     assert told.startswith("refinement was stopped after") and "less than min_angle = 30" in told
+
+
+@pytest.mark.parametrize("n_rays", [2, 3, 5, 7, 40])
+def test_corners_are_acute_where_two_lines_meet_at_less_than_60_degrees(n_rays):
+    rng = np.random.default_rng(n_rays)
+    for scale in (1.0, 1e-70, 1e70):
+        for _ in range(20):
+            angles = rng.permutation(np.sort(rng.uniform(0, 2 * np.pi, n_rays)))
+            ends = scale * rng.uniform(0.1, 10, n_rays)[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
+            pieces = np.column_stack([np.zeros(n_rays), np.arange(1, n_rays + 1), np.arange(n_rays)]).astype(np.int32)
+            pieces[::2, :2] = pieces[::2, 1::-1]
+            found = refiner.acute_vertices(np.concatenate([np.zeros((1, 2)), ends]), pieces)
+            between = np.abs((angles[:, None] - angles + np.pi) % (2 * np.pi) - np.pi)[np.triu_indices(n_rays, 1)]
+            assert found[0] == (between.min() < np.pi / 3) and not found[1:].any()
