@@ -323,7 +323,7 @@ def canonical_cells(origin, n_triangles, place, order, counts, cells, cell):
 
     Corners are turned so that the one of lowest place, in ``place`` or, if that is empty, by its number, comes first.
     Triangles go by the places of the first and then of the second corner, which no other triangle shares: a sort by
-    counting and one of few in each bucket. Corners are written as ``order`` names them. ``cell``, if it is not empty,
+    counting, and one inside each bucket. Corners are written as ``order`` names them. ``cell``, if it is not empty,
     gets for each slot -1, or 4 times the number of its triangle plus the number of the corner that was turned to the
     front.
     """
@@ -375,19 +375,25 @@ def canonical_cells(origin, n_triangles, place, order, counts, cells, cell):
     first = 0
     for k in range(len(counts) - 1):
         last = int(counts[U(k)])
-        for i in range(first + 1, last):
-            a = cells[U(i), 0]
-            b = cells[U(i), 1]
-            c = cells[U(i), 2]
-            j = i - 1
-            while j >= first and cells[U(j), 2] >> 32 > c >> 32:
-                cells[U(j + 1), 0] = cells[U(j), 0]
-                cells[U(j + 1), 1] = cells[U(j), 1]
-                cells[U(j + 1), 2] = cells[U(j), 2]
-                j -= 1
-            cells[U(j + 1), 0] = a
-            cells[U(j + 1), 1] = b
-            cells[U(j + 1), 2] = c
+        # Shell's sort, which for the usual bucket of two is insertion; the hub of a fan may have millions.
+        gap = 1
+        while 9 * gap < last - first:
+            gap = 3 * gap + 1
+        while gap > 0:
+            for i in range(first + gap, last):
+                a = cells[U(i), 0]
+                b = cells[U(i), 1]
+                c = cells[U(i), 2]
+                j = i - gap
+                while j >= first and cells[U(j), 2] >> 32 > c >> 32:
+                    cells[U(j + gap), 0] = cells[U(j), 0]
+                    cells[U(j + gap), 1] = cells[U(j), 1]
+                    cells[U(j + gap), 2] = cells[U(j), 2]
+                    j -= gap
+                cells[U(j + gap), 0] = a
+                cells[U(j + gap), 1] = b
+                cells[U(j + gap), 2] = c
+            gap //= 3
         for i in range(first, last):
             if numbered:
                 slot = cells[U(i), 0] >> 32

@@ -173,6 +173,16 @@ def test_cells_are_canonical():
     assert keys == sorted(keys) and len(set(keys)) == len(keys)
 
 
+@pytest.mark.parametrize("hub", [0, 3001])
+def test_the_fan_of_a_hub(hub):
+    x = np.linspace(-1, 1, 3001)
+    arc = np.column_stack([x, 0.01 * x**2])
+    fan = delaunay_2d(np.insert(arc, hub, [0.0, 50.0], axis=0)).mesh.cells["triangle"]
+    first = np.delete(np.arange(3002), hub)[:-1]
+    expected = np.column_stack([first, first + 1, np.full(3000, hub)])
+    assert {frozenset(t) for t in fan.tolist()} == {frozenset(t) for t in expected.tolist()}
+
+
 @pytest.mark.parametrize("scale", [1e-300, 1e-8, 1e8, 1e300])
 def test_any_scale_gives_the_same_cells(scale):
     points = np.random.default_rng(4).integers(0, 2**20, (300, 2)).astype(float)
