@@ -67,9 +67,7 @@ def _operation(operation: Operation) -> str:
             f":Command line: ``meshcore {' '.join(words)} -o OUTPUT``, see ``meshcore {flag} --help``",
             f":Menus: {operation.label}, in Blender and ParaView\n",
             *(["Inputs\n", *inputs, ""] if inputs else []),
-            ".. list-table::\n   :header-rows: 1\n",
-            table,
-            "",
+            *([".. list-table::\n   :header-rows: 1\n", table, ""] if operation.params else []),
         ]
     )
 
