@@ -1,7 +1,8 @@
 """The one decorator for compiled kernels, and the cache they are kept in.
 
 numba notices a change of a kernel's own file only, not of a callee in another file: an old machine code would be
-run. So the cache folder is named by a hash of all kernel sources of the package, and of the versions beneath.
+run. So each kernel file has a cache folder of its own, named by a hash of its source and of all kernel files that it
+imports, inside one named by the versions beneath. An edit compiles anew what depends on it, and nothing else.
 The folder is the user's own; numba's global configuration stays as it is, since the host may use numba too.
 """
 
@@ -12,6 +13,7 @@ import functools
 import hashlib
 import os
 import pickle
+import re
 import shutil
 import sys
 import tempfile
@@ -33,13 +35,36 @@ def kernel_sources() -> list[Path]:
     return sorted(_PACKAGE.rglob("_*_kernels.py"))
 
 
+_KERNEL_IMPORT = re.compile(r"^from (\.+)([\w.]*_kernels) import", re.MULTILINE)
+
+
+def imported_kernels(path: Path) -> set[Path]:
+    """The kernel files that a kernel file imports, directly or through others, and itself."""
+    found, ahead = set(), [path]
+    while ahead:
+        file = ahead.pop()
+        if file not in found:
+            found.add(file)
+            for dots, module in _KERNEL_IMPORT.findall(file.read_text(encoding="utf-8")):
+                ahead.append(file.parents[len(dots) - 1].joinpath(*module.split(".")).with_suffix(".py"))
+    return found
+
+
 @functools.cache
-def kernel_hash() -> str:
-    """Hash of the kernel sources and of the versions that compile them."""
+def kernel_hash(path: Path) -> str:
+    """Hash of a kernel file and of all kernel files that it imports."""
+    digest = hashlib.sha256()
+    for file in sorted(imported_kernels(path)):
+        digest.update(file.relative_to(_PACKAGE).as_posix().encode())
+        digest.update(file.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+@functools.cache
+def _version_hash() -> str:
+    """Hash of what compiles the kernels."""
     digest = hashlib.sha256(f"{sys.version_info[:2]} {numba.__version__} {np.__version__}".encode())
-    for path in [Path(__file__), *kernel_sources()]:
-        digest.update(path.relative_to(_PACKAGE).as_posix().encode())
-        digest.update(path.read_bytes())
+    digest.update(Path(__file__).read_bytes())
     return digest.hexdigest()[:16]
 
 
@@ -60,7 +85,7 @@ def cache_folder() -> Path:
     for root in (_user_cache, lambda: Path(tempfile.gettempdir()) / f"meshcore-{uid}"):
         # A home that is unknown, read-only or full is no reason to fail: the next folder will do.
         with contextlib.suppress(OSError, RuntimeError):
-            folder = root() / f"kernels-{kernel_hash()}"
+            folder = root() / f"kernels-{_version_hash()}"
             folder.mkdir(parents=True, exist_ok=True)
             tempfile.TemporaryFile(dir=folder).close()
             os.utime(folder)
@@ -69,27 +94,37 @@ def cache_folder() -> Path:
 
 
 def clean_cache() -> int:
-    """Remove cache folders of other versions that were not used for `STALE_DAYS`; return how many."""
+    """Remove what was not used for `STALE_DAYS`: folders of other versions, and of kernel files as they were."""
     removed = 0
-    for folder in cache_folder().parent.glob("kernels-*"):
+    for folder in [*cache_folder().parent.glob("kernels-*"), *cache_folder().iterdir()]:
         if folder != cache_folder() and time.time() - folder.stat().st_mtime > STALE_DAYS * 86400:
             shutil.rmtree(folder, ignore_errors=True)
             removed += 1
     return removed
 
 
+@functools.cache
+def _folder_of(path: Path) -> Path:
+    """Where the machine code of a kernel file is kept; marked as used."""
+    folder = cache_folder() / f"{path.stem.strip('_')}-{kernel_hash(path)}"
+    with contextlib.suppress(OSError):  # numba makes the folder when it saves
+        os.utime(folder)
+    return folder
+
+
 class _Locator(caching._CacheLocator):
-    """Tells numba to keep a kernel in `cache_folder`, fresh as long as `kernel_hash` stands."""
+    """Tells numba to keep a kernel in its file's folder, fresh as long as `kernel_hash` stands."""
 
     def __init__(self, py_func: Callable[..., Any]):
+        self._path = Path(py_func.__code__.co_filename)
         place = f"{py_func.__module__}:{py_func.__code__.co_firstlineno}"
         self._disambiguator = hashlib.sha256(place.encode()).hexdigest()[:12]
 
     def get_cache_path(self) -> str:
-        return str(cache_folder())
+        return str(_folder_of(self._path))
 
     def get_source_stamp(self) -> str:
-        return kernel_hash()
+        return kernel_hash(self._path)
 
     def get_disambiguator(self) -> str:
         return self._disambiguator
@@ -124,7 +159,8 @@ class _Cache(caching.FunctionCache):
 
     def __init__(self, py_func: Callable[..., Any]):
         super().__init__(py_func)
-        self._cache_file = _CacheFile(self.cache_path, self._impl.filename_base, kernel_hash())
+        stamp = self._impl.locator.get_source_stamp()
+        self._cache_file = _CacheFile(self.cache_path, self._impl.filename_base, stamp)
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         try:
@@ -173,6 +209,7 @@ def kernel(function: Callable[..., Any] | None = None, *, inline: bool = False) 
     check = os.environ.get("MESHCORE_BOUNDSCHECK") == "1"
     options = {"inline": "always"} if inline else {}
     dispatcher = numba.njit(nogil=True, error_model="numpy", boundscheck=check, **options)(function)
-    if not config.DISABLE_JIT and not check and not inline and function.__module__.startswith(__package__):
+    from_a_kernel_file = _PACKAGE in Path(function.__code__.co_filename).parents
+    if not config.DISABLE_JIT and not check and not inline and from_a_kernel_file:
         dispatcher._cache = _Cache(dispatcher.py_func)
     return dispatcher

@@ -59,6 +59,24 @@ def test_an_edited_callee_in_another_file_gives_the_new_answer(copy):
     assert copy() == "50 {(int64,): 1}"  # the old code's folder is still there, and right again
 
 
+def test_an_edit_leaves_the_code_of_others_where_it_is(copy):
+    copy("import meshcore._callee_kernels as c; print(c.callee(1), caller(4))")
+    caller = copy.package / "_caller_kernels.py"
+    caller.write_text(caller.read_text().replace("10 *", "20 *"))
+    asked = "import meshcore._callee_kernels as c; print(c.callee(1), caller(4), dict(c.callee.stats.cache_hits))"
+    assert copy(asked) == "2 100 {(int64,): 1}"
+
+
+def test_imports_of_kernel_files_are_followed():
+    files = {path.stem: path for path in _numba.kernel_sources()}
+    found = {path.stem for path in _numba.imported_kernels(files["_front_kernels"])}
+    assert found >= {"_front_kernels", "_refinement_kernels", "_half_edge_kernels", "_predicates_kernels"}
+    assert "_delaunay_3d_kernels" not in found
+    for path in files.values():  # the pattern misses no way of writing an import
+        direct = {name for name in imports_of(path) if name.endswith("_kernels")}
+        assert direct <= {p.stem for p in _numba.imported_kernels(path)}
+
+
 def test_a_damaged_cache_file_means_compiling_again(copy):
     copy()
     for file in copy.cache.rglob("*.nbc"):
@@ -71,7 +89,7 @@ def test_a_damaged_cache_file_means_compiling_again(copy):
 
 def test_signatures_saved_by_two_processes_at_once_do_not_mix(copy):
     copy("print(caller(4))")
-    index, data = sorted(p for p in copy.cache.rglob("*caller*") if "callee" not in p.name)[::-1]
+    index, data = sorted(p for p in copy.cache.rglob("*caller*.nb?") if "callee" not in p.name)[::-1]
     index.rename(index.with_suffix(".kept"))  # as another process sees it that began before the first had saved
     copy("print(caller(4.5))")
     assert len(list(copy.cache.rglob("*caller*.nbc"))) == 2 and data.exists()
@@ -99,8 +117,13 @@ def test_stale_folders_are_cleaned_and_fresh_ones_kept(monkeypatch, tmp_path):
             (tmp_path / name).mkdir()
             then = __import__("time").time() - age * 86400
             os.utime(tmp_path / name, (then, then))
+        for name, age in {"edited_kernels-old": 31, "edited_kernels-new": 1}.items():
+            (current / name).mkdir()
+            then = __import__("time").time() - age * 86400
+            os.utime(current / name, (then, then))
         (tmp_path / "someone-elses").mkdir()
-        assert _numba.clean_cache() == 1
+        assert _numba.clean_cache() == 2
+        assert {p.name for p in current.iterdir()} == {"edited_kernels-new"}
         assert {p.name for p in tmp_path.iterdir()} == {current.name, "kernels-new", "someone-elses"}
     finally:
         _numba.cache_folder.cache_clear()
