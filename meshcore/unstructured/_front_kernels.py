@@ -18,13 +18,14 @@ import math
 import numpy as np
 
 from .._numba import kernel
+from ._bucket_queue_kernels import QUEUE_STATE, QUEUED, empty_queue, pop, push
 from ._half_edge_kernels import DEAD, DONE, FULL, MORE, U, is_constrained, next_edge, previous_edge
 from ._point_insertion_kernels import dig, fill, walk
 from ._refinement_kernels import sees_wide
 
-# Places in the state shared by the kernels of this file.
-TRIANGLES, VERTICES, FREE, QUEUED, RECYCLED, TOP, PENDING, REJECTED = range(8)
-STATE_SIZE = 8
+# Places in the state shared by the kernels of this file, after those of the queue.
+TRIANGLES, VERTICES, FREE, PENDING, REJECTED = range(QUEUE_STATE, QUEUE_STATE + 5)
+STATE_SIZE = QUEUE_STATE + 5
 # Queues by the squared ratio of radii, four to the octave.
 BUCKETS = 1024
 PER_OCTAVE = 32
@@ -80,31 +81,14 @@ def queue_if_large(slot, xy, origin, twin, wanted, accepted, queue, head, tail, 
     bucket = BUCKETS - 1
     if ratio < 1e30:
         bucket = min(max(int(PER_OCTAVE * math.log2(ratio / accepted)), 0), BUCKETS - 1)
-    entry = state[RECYCLED]
-    if entry >= 0:
-        state[RECYCLED] = queue[U(4 * entry + 2)]
-    else:
-        entry = state[QUEUED]
-        state[QUEUED] = entry + 1
-    queue[U(4 * entry)] = slot
-    queue[U(4 * entry + 1)] = twin[U(slot + 3)]
-    queue[U(4 * entry + 2)] = -1
-    if head[U(bucket)] < 0:
-        head[U(bucket)] = entry
-    else:
-        queue[U(4 * int(tail[U(bucket)]) + 2)] = entry
-    tail[U(bucket)] = entry
-    state[TOP] = max(state[TOP], bucket)
+    push(bucket, slot, twin[U(slot + 3)], queue, head, tail, state)
 
 
 @kernel
 def queue_all(xy, origin, twin, wanted, accepted, queue, head, tail, state):
     """Empty the queues and look at every live triangle anew; there must be room for one entry each."""
-    state[QUEUED] = 0
-    state[RECYCLED] = -1
-    state[TOP] = -1
+    empty_queue(head, state)
     state[PENDING] = 0
-    head[:] = -1
     for t in range(state[TRIANGLES]):
         if origin[U(4 * t + 3)] & DEAD == 0:
             queue_if_large(4 * t, xy, origin, twin, wanted, accepted, queue, head, tail, state)
@@ -218,19 +202,12 @@ def advance_front(
         for k in range(pending):
             queue_if_large(int(cavity[U(k)]), xy, origin, twin, wanted, accepted, queue, head, tail, state)
         pending = 0
-        bucket = int(state[TOP])
-        while bucket >= 0 and head[U(bucket)] < 0:
-            bucket -= 1
-        state[TOP] = bucket
-        if bucket < 0:
+        entry = pop(queue, head, state)
+        if entry < 0:
             state[PENDING] = 0
             return DONE
-        entry = int(head[U(bucket)])
-        head[U(bucket)] = queue[U(4 * entry + 2)]
-        queue[U(4 * entry + 2)] = state[RECYCLED]
-        state[RECYCLED] = entry
-        asked = int(queue[U(4 * entry)])
-        if queue[U(4 * entry + 1)] != twin[U(asked + 3)] or origin[U(asked + 3)] & DEAD:
+        asked = int(queue[U(entry)])
+        if queue[U(entry + 1)] != twin[U(asked + 3)] or origin[U(asked + 3)] & DEAD:
             continue
         base, qx, qy = place(asked, xy, origin, twin, wanted)
         if base < 0:

@@ -27,6 +27,7 @@ import math
 import numpy as np
 
 from .._numba import kernel
+from ._bucket_queue_kernels import QUEUE_STATE, QUEUED, empty_queue, pop, push
 from ._half_edge_kernels import (
     CONSTRAINED,
     DEAD,
@@ -43,9 +44,9 @@ from ._half_edge_kernels import (
 )
 from ._splitting_kernels import split_place
 
-# Places in the state shared by the kernels of this file.
-TRIANGLES, VERTICES, FREE, QUEUED, RECYCLED, TOP, ENCROACHED, PENDING, GIVEN_UP, UNSPLIT, SPLITS, INSERTIONS = range(12)
-STATE_SIZE = 12
+# Places in the state shared by the kernels of this file, after those of the queue.
+STATE_SIZE = QUEUE_STATE + 9
+TRIANGLES, VERTICES, FREE, ENCROACHED, PENDING, GIVEN_UP, UNSPLIT, SPLITS, INSERTIONS = range(QUEUE_STATE, STATE_SIZE)
 # Queues: one for size, and one per quarter octave of the squared shortest edge.
 BUCKETS = 2048
 # Squared circumradius of an equilateral triangle, per twice its area.
@@ -154,21 +155,7 @@ def queue_if_poor(
         elif not too_large:
             mantissa, exponent = math.frexp(shortest)
             bucket = min(max(64 - 4 * exponent - int(8.0 * mantissa), 0), BUCKETS - 2)
-        entry = state[RECYCLED]
-        if entry >= 0:
-            state[RECYCLED] = queue[U(4 * entry + 2)]
-        else:
-            entry = state[QUEUED]
-            state[QUEUED] = entry + 1
-        queue[U(4 * entry)] = slot
-        queue[U(4 * entry + 1)] = twin[U(slot + 3)]
-        queue[U(4 * entry + 2)] = -1
-        if head[U(bucket)] < 0:
-            head[U(bucket)] = entry
-        else:
-            queue[U(4 * int(tail[U(bucket)]) + 2)] = entry
-        tail[U(bucket)] = entry
-        state[TOP] = max(state[TOP], bucket)
+        push(bucket, slot, twin[U(slot + 3)], queue, head, tail, state)
 
 
 @kernel
@@ -176,12 +163,9 @@ def queue_all(
     xy, origin, twin, stands_on, pieces, face, edge_limit, area_limit, limits, queue, head, tail, encroached, state
 ):
     """Empty the queues and look at every live triangle anew; there must be room for one entry each."""
-    state[QUEUED] = 0
-    state[RECYCLED] = -1
-    state[TOP] = -1
+    empty_queue(head, state)
     state[ENCROACHED] = 0
     state[PENDING] = 0
-    head[:] = -1
     for t in range(state[TRIANGLES]):
         if origin[U(4 * t + 3)] & DEAD == 0:
             queue_if_poor(
@@ -242,19 +226,12 @@ def refine(
                 continue
             splitting = True
         else:
-            bucket = int(state[TOP])
-            while bucket >= 0 and head[U(bucket)] < 0:
-                bucket -= 1
-            state[TOP] = bucket
-            if bucket < 0:
+            entry = pop(queue, head, state)
+            if entry < 0:
                 state[PENDING] = 0
                 return DONE
-            entry = int(head[U(bucket)])
-            head[U(bucket)] = queue[U(4 * entry + 2)]
-            queue[U(4 * entry + 2)] = state[RECYCLED]
-            state[RECYCLED] = entry
-            asked = int(queue[U(4 * entry)])
-            if queue[U(4 * entry + 1)] != twin[U(asked + 3)] or origin[U(asked + 3)] & DEAD:
+            asked = int(queue[U(entry)])
+            if queue[U(entry + 1)] != twin[U(asked + 3)] or origin[U(asked + 3)] & DEAD:
                 continue
             a = int(origin[U(asked)])
             b = int(origin[U(asked + 1)])
