@@ -24,7 +24,7 @@ STACK = 160
 """Nodes that wait at any time are fewer than levels, DEEP + 31 at most."""
 
 
-@kernel
+@kernel(allocates=True)
 def build(boxes, order, n, dimension, right, first, bounds):
     """Build the tree; return the number of nodes.
 
@@ -120,7 +120,7 @@ def morton_keys(points, dimension, n, lower, scale, keys):
 # ---- which cell holds a point
 
 
-@kernel
+@kernel(allocates=True)
 def find_triangles(points, queries, start, stop, corners, order, right, first, bounds, work, cell, weights):
     """For each query point of the plane the first triangle, by number, that holds it, or -1; its weights.
 
@@ -192,7 +192,7 @@ def _faces_of_tetrahedron(corners, item, x, y, z, work, signs):
     return signs[3] >= 0.0
 
 
-@kernel
+@kernel(allocates=True)
 def find_tetrahedra(points, queries, start, stop, corners, order, right, first, bounds, work, cell, weights):
     """For each query point of space the first tetrahedron, by number, that holds it, or -1; its weights.
 
@@ -304,7 +304,7 @@ def _to_box(bounds, node, x, y, z):
     return dx * dx + dy * dy + dz * dz
 
 
-@kernel
+@kernel(allocates=True)
 def find_nearest(
     points, queries, start, stop, corners, n_corners, order, right, first, bounds, cell, weights, distance2
 ):

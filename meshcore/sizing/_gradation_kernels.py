@@ -39,7 +39,7 @@ def _raise(heap, place, sizes, count, at):
     place[vertex] = at
 
 
-@kernel
+@kernel(allocates=True)
 def limit(start, neighbour, length, gradation, sizes):
     """Lower sizes until along each edge they differ by at most ``gradation`` times its length.
 

@@ -148,6 +148,33 @@ def test_kernels_run_side_by_side_without_the_gil():
     assert met == [True, True]
 
 
+def test_only_kernels_that_allocate_count_references():
+    @kernel(inline=True)
+    def element(array, k):
+        return array[k]
+
+    @kernel
+    def total(array):
+        found = 0.0
+        for k in range(len(array)):
+            if array[k] > 0.0:
+                found += element(array, k)
+        return found
+
+    @kernel(allocates=True)
+    def total_of_copy(array):
+        own = np.empty(len(array))
+        for k in range(len(array)):
+            own[k] = array[k]
+        return total(own)
+
+    array = np.arange(5.0)
+    assert total(array) == total_of_copy(array) == 10
+    assert not any("NRT_" in text for text in total.inspect_llvm().values())
+    assert any("NRT_" in text for text in total_of_copy.inspect_llvm().values())
+    assert sys.getrefcount(array) == 2
+
+
 def test_division_follows_ieee_and_does_not_raise():
     @kernel
     def divide(a, b):
