@@ -1,6 +1,9 @@
-"""Structured grids: transfinite interpolation and block topologies."""
+"""Structured grids: transfinite interpolation, block topologies, and operators on curved grids."""
 
+from .curvilinear import Curvilinear
+from .finite_volumes import FiniteVolumes
+from .metrics import Metrics
 from .topologies import o_grid
 from .transfinite import transfinite
 
-__all__ = ["o_grid", "transfinite"]
+__all__ = ["Curvilinear", "FiniteVolumes", "Metrics", "o_grid", "transfinite"]

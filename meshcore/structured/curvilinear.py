@@ -1,0 +1,254 @@
+"""Differential operators on curved grids, in the computational space of the grid's indices (survey 1.1 and 2.2)."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse
+import scipy.sparse.linalg
+
+from ..errors import InvalidInput
+from ..mesh import StructuredGrid
+from ..quality.vectors import dot
+from .metrics import Metrics, Order
+from .stencils import Stencil
+
+
+class Curvilinear(Metrics):
+    """Finite differences of second or fourth order on a curved grid, values standing at its points.
+
+    The equations are transformed to the indices (i, j, k) of the grid, where points stand at distance 1, and
+    differenced there: the grid's curvature, stretching and skewness do not lower the order. Ends of lines are treated
+    one-sidedly, in the same order; closed lines (``grid.periodic``) are differenced across their cut.
+
+    ::
+
+             a_2  ^     / a^2                 a_i: along the lines;  a^i: normal to the faces i = const
+                  |    /                      a_i . a^j = 1 if i = j, else 0
+                  |   /
+                  |  /                        gradient    a^i df/di
+                  | /                         divergence  1/J d(J a^i . v)/di
+                  +----------> a_1            Laplacian   1/J d(J g^ij df/dj)/di
+                   \\ a^1
+
+    Parameters
+    ----------
+    grid : StructuredGrid
+        In the plane, on a surface in space, or a volume. On a surface gradients lie in the surface, divergences are
+        those of tangential vectors, and the Laplacian is Beltrami's.
+    order : 2 or 4
+        Order of accuracy. A line that is not closed needs 5 points for the second, 7 for the fourth.
+
+    Raises
+    ------
+    InvalidInput
+        If a line is too short or the order unknown.
+    InvalidGeometry
+        If the Jacobian vanishes or changes its sign (`points` tells where), or a periodic direction is not closed.
+
+    References
+    ----------
+    Survey, sections 1.1 and 2.2. P. D. Thomas and C. K. Lombard, "Geometric conservation law and its application to
+    flow computations on moving grids", AIAA J. 17 (1979). M. R. Visbal and D. V. Gaitonde, "On the use of
+    higher-order finite-difference schemes on curvilinear and deforming meshes", J. Comput. Phys. 181 (2002).
+
+    Examples
+    --------
+    >>> from meshcore import gallery, o_grid
+    >>> grid, _ = o_grid(gallery.circle(48), radius=2, layers=12)
+    >>> operators = Curvilinear(grid, order=4)
+    >>> x, y, _ = np.moveaxis(grid.points, -1, 0)
+    >>> operators.gradient(2 * x - y)[5, 5, 0].round(12).tolist()
+    [2.0, -1.0, 0.0]
+    """
+
+    def __init__(self, grid: StructuredGrid, order: Order = 2):
+        super().__init__(grid, order)
+        _ = self.jacobian  # a folded grid is refused at once
+
+    def gradient(self, values: np.ndarray) -> np.ndarray:
+        """Gradient; exact for linear functions of the coordinates.
+
+        Parameters
+        ----------
+        values : (ni, nj, nk) float
+            At the points.
+
+        Returns
+        -------
+        (ni, nj, nk, 3) float
+        """
+        values = self._checked(values, "values")
+        return sum(self.contravariant[i] * self.derivative(values, i)[..., None] for i in range(self.dimension))
+
+    def divergence(self, vectors: np.ndarray) -> np.ndarray:
+        """Divergence in conservation form; zero up to rounding for constant vectors.
+
+        Parameters
+        ----------
+        vectors : (ni, nj, nk, 3) float
+            At the points.
+
+        Returns
+        -------
+        (ni, nj, nk) float
+        """
+        vectors = self._checked(vectors, "vectors", 3)
+        return self._divergence_of([dot(area, vectors) for area in self.area_vectors])
+
+    def laplacian(self, values: np.ndarray) -> np.ndarray:
+        """Laplacian in conservation form, of narrow stencils along the lines.
+
+        Parameters
+        ----------
+        values : (ni, nj, nk) float
+            At the points.
+
+        Returns
+        -------
+        (ni, nj, nk) float
+        """
+        values = self._checked(values, "values")
+        stencils, result = self.stencils, np.zeros(self.grid.shape)
+        slopes = [self.derivative(values, j) for j in range(self.dimension)]
+        for i in range(self.dimension):
+            flux = self._middle_conductance[i] * self.along(stencils.middle_derivative, values, i)
+            result += self.along(stencils.derivative_of_middles, flux, i)
+            result += self.derivative(sum(self.conductance(i, j) * slopes[j] for j in self.others(i)), i)
+        return result / self.jacobian
+
+    def laplacian_matrix(self) -> scipy.sparse.csr_matrix:
+        """(points, points) sparse: `laplacian` as a matrix, for ``values.ravel()``.
+
+        Rows and columns go with the grid's shape, the last index fastest. In a periodic direction the columns of the
+        last points are empty, since these repeat the first.
+        """
+        stencils, size = self.stencils, self.grid.n_points
+        slopes = [self._matrix(stencils.derivative, j) for j in range(self.dimension)]
+        total = scipy.sparse.csr_matrix((size, size))
+        for i in range(self.dimension):
+            inner = scipy.sparse.diags(self._middle_conductance[i].ravel()) @ self._matrix(
+                stencils.middle_derivative, i
+            )
+            cells = list(self.grid.shape)
+            cells[i] -= 1
+            total = total + self._matrix(stencils.derivative_of_middles, i, cells) @ inner
+            for j in self.others(i):
+                total = total + slopes[i] @ scipy.sparse.diags(self.conductance(i, j).ravel()) @ slopes[j]
+        return scipy.sparse.csr_matrix(scipy.sparse.diags(1 / self.jacobian.ravel()) @ total)
+
+    def poisson(self, source: np.ndarray, known: np.ndarray) -> np.ndarray:
+        """Solve Poisson's equation, the Laplacian of f being the source, by a direct solver.
+
+        Parameters
+        ----------
+        source : (ni, nj, nk) float
+            At the points; a number stands for the same everywhere.
+        known : (ni, nj, nk) float
+            Values of f where it is given, as on the boundary; nan where it is to be found.
+
+        Returns
+        -------
+        (ni, nj, nk) float
+
+        Raises
+        ------
+        InvalidInput
+            If f is given nowhere.
+        """
+        known = self._checked(known, "known", finite=False)
+        source = self._checked(np.broadcast_to(source, self.grid.shape), "source")
+        given = np.isfinite(known)
+        if not given.any():
+            raise InvalidInput("gives no value; a solution needs some, as on the boundary", parameter="known")
+        number = np.arange(self.grid.n_points).reshape(self.grid.shape)
+        for axis, period in enumerate(self.periods):
+            if period:
+                number = np.take(number, np.arange(number.shape[axis]) % period, axis)
+        free = np.unique(number[~given])
+        matrix = self.laplacian_matrix()[free]
+        values = np.where(given, known, 0.0).ravel()
+        right = source.ravel()[free] - matrix @ values
+        values[free] = scipy.sparse.linalg.spsolve(matrix[:, free].tocsc(), right)
+        return values[number]
+
+    def convection(
+        self,
+        density: np.ndarray,
+        velocity: np.ndarray,
+        *,
+        source: float | np.ndarray = 0.0,
+        grid_velocity: np.ndarray | None = None,
+    ) -> np.ndarray:
+        """Rate of change of a density at the points, by d(rho)/dt + div(rho U) = S in conservation form.
+
+        On a grid that moves that is the rate which the moving points see: d(J rho)/dt + d(J a^i . (U - W) rho)/di = J S
+        with the velocity W of the points, and dJ/dt by the geometric conservation law dJ/dt = d(J a^i . W)/di,
+        differenced in the same way. So a uniform density in a uniform velocity stays as it is, however the grid moves.
+
+        Parameters
+        ----------
+        density : (ni, nj, nk) float
+            The density rho.
+        velocity : (ni, nj, nk, 3) float
+            The velocity U.
+        source : float or (ni, nj, nk) float
+            The source S.
+        grid_velocity : (ni, nj, nk, 3) float, optional
+            The velocity W of the points; by default they rest.
+
+        Returns
+        -------
+        (ni, nj, nk) float
+        """
+        density = self._checked(density, "density")
+        velocity = self._checked(velocity, "velocity", 3)
+        source = self._checked(np.broadcast_to(source, self.grid.shape), "source")
+        if grid_velocity is None:
+            return source - self.divergence(density[..., None] * velocity)
+        grid_velocity = self._checked(grid_velocity, "grid_velocity", 3)
+        outflow = self.divergence(density[..., None] * (velocity - grid_velocity))
+        return source - outflow - density * self.divergence(grid_velocity)
+
+    # ---- inside
+
+    def _matrix(self, stencil: Stencil, axis: int, shape: list[int] | None = None) -> scipy.sparse.csr_matrix:
+        """A stencil along one axis as a matrix for raveled arrays of a shape, by default of the points."""
+        parts = [scipy.sparse.identity(n) for n in shape or self.grid.shape]
+        parts[axis] = stencil.matrix(parts[axis].shape[0], self.periods[axis])
+        return scipy.sparse.kron(scipy.sparse.kron(parts[0], parts[1]), parts[2], format="csr")
+
+    def _divergence_of(self, fluxes: list[np.ndarray]) -> np.ndarray:
+        return sum(self.derivative(flux, i) for i, flux in enumerate(fluxes)) / self.jacobian
+
+    @cached_property
+    def _middle_conductance(self) -> list[np.ndarray]:
+        """For each direction, J g^ii in the middles between the points along it."""
+        return [self.along(self.stencils.middle, self.conductance(i, i), i) for i in range(self.dimension)]
+
+    def _checked(self, values: np.ndarray, name: str, components: int = 0, finite: bool = True) -> np.ndarray:
+        shape = (*self.grid.shape, components) if components else self.grid.shape
+        return checked_field(values, shape, name, finite)
+
+
+def checked_field(values: np.ndarray, shape: tuple[int, ...], name: str, finite: bool = True) -> np.ndarray:
+    """Values as floats of a grid's shape, or `InvalidInput`; the layer of a surface may be left out.
+
+    Examples
+    --------
+    >>> checked_field([[1, 2], [3, 4]], (2, 2, 1), "values").shape
+    (2, 2, 1)
+    """
+    try:
+        values = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise InvalidInput("needs numbers", parameter=name) from None
+    if shape[2] == 1 and values.shape == shape[:2] + shape[3:]:
+        values = values.reshape(shape)
+    if values.shape != shape:
+        raise InvalidInput(f"needs shape {shape}, got {values.shape}", parameter=name)
+    if finite and not np.isfinite(values).all():
+        where = tuple(np.argwhere(~np.isfinite(values))[0].tolist())
+        raise InvalidInput(f"is {values[where]} at {where}; give finite values", parameter=name)
+    return values
