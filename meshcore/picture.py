@@ -56,7 +56,7 @@ def picture(
     path : path
         File to write; folders are made.
     scalars : str or (n_cells,) or (n_points,) float, optional
-        Colours, with a scale: values, the name of a cell or point array, or of a quality measure.
+        Colours, with a scale: values, the name of a cell or point array, or of a quality measure of cells or grids.
     window : tuple of two int
         Width and height in pixels.
     zoom : (2, 2) float, optional
@@ -251,7 +251,7 @@ def _checked_zoom(zoom: Any) -> np.ndarray | None:
 def _values(parts: list[Mesh], blocks: Sequence, scalars: Any) -> list[np.ndarray]:
     """The values that colour each part."""
     if isinstance(scalars, str):
-        return [_named(part, scalars) for part in parts]
+        return [_named(part, block, scalars) for part, block in zip(parts, blocks, strict=True)]
     values = np.asarray(scalars)
     if isinstance(blocks[0], StructuredGrid) and values.shape in (blocks[0].shape, blocks[0].cell_shape):
         values = blocks[0].flat(values)
@@ -264,11 +264,15 @@ def _values(parts: list[Mesh], blocks: Sequence, scalars: Any) -> list[np.ndarra
     return [values]
 
 
-def _named(part: Mesh | PolyhedralMesh, name: str) -> np.ndarray:
+def _named(part: Mesh | PolyhedralMesh, block: Mesh | PolyhedralMesh | StructuredGrid, name: str) -> np.ndarray:
+    """The values of a name: data, or a measure of the part, or of the grid that it was."""
     for data in (part.cell_data, part.point_data):
         if name in data:
             values = data[name]
             return np.linalg.norm(values.reshape(len(values), -1), axis=1) if values.ndim > 1 else values
+    of_grid = measures("grid") if isinstance(block, StructuredGrid) else ()
+    if name in of_grid:
+        return block.flat(measure(block, name))
     if isinstance(part, PolyhedralMesh):
         own = {"area": 2, "volume": 3}
         if own.get(name) == part.dimension:
@@ -277,7 +281,7 @@ def _named(part: Mesh | PolyhedralMesh, name: str) -> np.ndarray:
     else:
         if any(name in measures(kind) for kind in part.cells):
             return measure(part, name)
-        offered = sorted({m for kind in part.cells for m in measures(kind)})
+        offered = sorted({*of_grid, *(m for kind in part.cells for m in measures(kind))})
     known = [*part.cell_data, *part.point_data, *offered]
     raise InvalidInput(f"{name!r} is neither data nor a measure; there are {', '.join(known)}", parameter="scalars")
 

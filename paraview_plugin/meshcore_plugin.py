@@ -46,8 +46,10 @@ MEASURES = (
     "dimension",
     "distortion",
     "edge_jump",
+    "equiangle_skew",
     "face_skewness",
     "jacobian",
+    "line_growth",
     "max_angle",
     "max_aspect_frobenius",
     "max_edge_ratio",
@@ -67,6 +69,8 @@ MEASURES = (
     "stretch",
     "taper",
     "volume",
+    "wall_angle",
+    "wall_height",
     "warpage",
 )
 READS = "dat msh mesh off xyz p3d x g su2 poly ele node"

@@ -8,20 +8,20 @@ import numpy as np
 
 from ..errors import InvalidInput
 from ..mesh import CELL_TYPES, Mesh, StructuredGrid
-from . import hexahedron, neighbours, pyramid, quad, tetra, triangle, wedge
+from . import equiangle, hexahedron, lines, neighbours, pyramid, quad, tetra, triangle, wedge
+from . import grid as grids
 from .given import as_mesh
-from .measure_table import Measure
+from .measure_table import SMALLER_IS_BETTER, Measure
 from .vectors import corners
 
+_MODULES = (triangle, quad, tetra, hexahedron, wedge, pyramid)
 BY_KIND: dict[str, dict[str, Measure]] = {
-    "triangle": triangle.MEASURES,
-    "quad": quad.MEASURES,
-    "tetra": tetra.MEASURES,
-    "hexahedron": hexahedron.MEASURES,
-    "wedge": wedge.MEASURES,
-    "pyramid": pyramid.MEASURES,
+    kind: {**module.MEASURES, "equiangle_skew": equiangle.measure_of(kind)}
+    for kind, module in zip(("triangle", "quad", "tetra", "hexahedron", "wedge", "pyramid"), _MODULES, strict=True)
 }
 """Kind of cell -> name -> `Measure`."""
+OF_FACETS: dict[str, Measure] = {**neighbours.MEASURES, **lines.MEASURES}
+"""Name -> `Measure` whose function takes the mesh and gives one number a facet."""
 
 
 def measures(kind: str | None = None) -> tuple[str, ...]:
@@ -31,7 +31,7 @@ def measures(kind: str | None = None) -> tuple[str, ...]:
     ----------
     kind : str, optional
         "triangle", "quad", "tetra", "hexahedron", "wedge", "pyramid", or a curved kind, which is measured by its
-        corners.
+        corners; or "grid", for what only a structured grid has.
 
     Raises
     ------
@@ -44,16 +44,21 @@ def measures(kind: str | None = None) -> tuple[str, ...]:
     ('aspect_frobenius', 'aspect_gamma', 'aspect_ratio')
     """
     if kind is None:
-        return tuple(sorted({name for table in (*BY_KIND.values(), neighbours.MEASURES) for name in table}))
+        return tuple(sorted({name for table in (*BY_KIND.values(), OF_FACETS) for name in table}))
+    if kind == "grid":
+        return tuple(sorted(grids.MEASURES))
     if kind not in CELL_TYPES:
         raise InvalidInput(f"{kind!r} is no kind of cell; known are {', '.join(CELL_TYPES)}", parameter="kind")
-    table = BY_KIND.get(corner_kind(kind), {})
-    return tuple(sorted(table.keys() | neighbours.MEASURES.keys())) if table else ()
+    kind = corner_kind(kind)
+    if kind not in BY_KIND:
+        return ()
+    without = lines.MEASURES.keys() if kind not in lines.KINDS else set()
+    return tuple(sorted((BY_KIND[kind].keys() | OF_FACETS.keys()) - without))
 
 
 def lookup(kind: str, name: str) -> Measure | None:
     """The measure of a kind of cell by name, if it has one."""
-    return BY_KIND.get(corner_kind(kind), {}).get(name) or neighbours.MEASURES.get(name)
+    return BY_KIND.get(corner_kind(kind), {}).get(name) or OF_FACETS.get(name)
 
 
 def corner_kind(kind: str) -> str:
@@ -69,7 +74,7 @@ def measure(mesh: Mesh | StructuredGrid, name: str) -> np.ndarray:
     mesh : Mesh or StructuredGrid
         Curved cells are measured by their corner nodes.
     name : str
-        One of `measures`.
+        One of `measures`; of a grid also one of ``measures("grid")``.
 
     Returns
     -------
@@ -88,15 +93,18 @@ def measure(mesh: Mesh | StructuredGrid, name: str) -> np.ndarray:
     >>> measure(mesh, "min_angle").round(9).tolist(), measure(mesh, "taper").tolist()
     ([90.0, 45.0], [0.0, nan])
     """
-    check_name(name)
+    check_name(name, of_grid=isinstance(mesh, StructuredGrid))
     if isinstance(mesh, StructuredGrid):
+        if name in grids.MEASURES:
+            return grids.MEASURES[name].function(mesh)
         shape = mesh.cell_shape
         return measure(mesh.to_mesh(), name).reshape(shape[::-1]).swapaxes(0, 2).copy()
     mesh = as_mesh(mesh)
-    if name in neighbours.MEASURES:
+    if name in OF_FACETS:
         if mesh.dimension < 2:
             return np.full(mesh.n_cells, np.nan)
-        return neighbours.per_cell(mesh, neighbours.MEASURES[name].function(mesh))
+        worst = np.fmax if name in SMALLER_IS_BETTER else np.fmin
+        return neighbours.per_cell(mesh, OF_FACETS[name].function(mesh), worst)
     values = np.full(mesh.n_cells, np.nan)
     for kind in {corner_kind(kind) for kind in mesh.cells} & BY_KIND.keys():
         # Cells of one kind are measured together: sizes are compared with their common mean.
@@ -110,9 +118,12 @@ def measure(mesh: Mesh | StructuredGrid, name: str) -> np.ndarray:
     return values
 
 
-def check_name(name: str) -> None:
-    """Raise `InvalidInput`, with the nearest names, if no kind of cell has a measure of this name."""
-    known = measures()
-    if name not in known:
-        near = difflib.get_close_matches(str(name), known, n=3, cutoff=0.5) or known
-        raise InvalidInput(f"{name!r} is no measure; try {', '.join(near)}", parameter="name")
+def check_name(name: str, of_grid: bool = False) -> None:
+    """Raise `InvalidInput`, with the nearest names, if no kind of cell, or of grid, has a measure of this name."""
+    known = measures() + (measures("grid") if of_grid else ())
+    if name in known:
+        return
+    if name in grids.MEASURES:
+        raise InvalidInput(f"{name!r} is a measure of a StructuredGrid only", parameter="name")
+    near = difflib.get_close_matches(str(name), known, n=3, cutoff=0.5) or known
+    raise InvalidInput(f"{name!r} is no measure; try {', '.join(near)}", parameter="name")

@@ -220,15 +220,14 @@ def _jump(mesh: Mesh, sizes: np.ndarray) -> np.ndarray:
     return np.where(neighbour >= 0, ratio, np.nan)
 
 
-def per_cell(mesh: Mesh, values: np.ndarray) -> np.ndarray:
-    """(number of cells,) float: the largest of the values of a cell's facets; nan where none is defined."""
+def per_cell(mesh: Mesh, values: np.ndarray, worst: np.ufunc = np.fmax) -> np.ndarray:
+    """(number of cells,) float: the worst of the values of a cell's facets; nan where none is defined."""
     _, owner, neighbour, _ = mesh.facets
-    found = np.full(mesh.n_cells, -np.inf)
-    known = ~np.isnan(values)
+    found = np.full(mesh.n_cells, np.nan)
     for cells in (owner, neighbour):
-        use = known & (cells >= 0)
-        np.maximum.at(found, cells[use], values[use])
-    return np.where(np.isneginf(found), np.nan, found)
+        use = cells >= 0
+        worst.at(found, cells[use], values[use])
+    return found
 
 
 MEASURES = {

@@ -10,8 +10,9 @@ import numpy as np
 from ..mesh import CELL_TYPES, Mesh, StructuredGrid
 from . import _triangle_kernels as kernels
 from .given import as_mesh
-from .measure_table import SMALLER_IS_BETTER
-from .measures import lookup, measure
+from .grid import MEASURES as GRID_MEASURES
+from .measure_table import SMALLER_IS_BETTER, Measure
+from .measures import check_name, lookup, measure
 
 
 def summary(mesh: Mesh | StructuredGrid) -> dict[str, float]:
@@ -90,6 +91,8 @@ DEFAULT_MEASURES = {
     2: ("min_angle", "max_angle", "radius_ratio", "scaled_jacobian", "shape", "size_jump"),
     3: ("volume", "scaled_jacobian", "shape", "non_orthogonality", "face_skewness", "size_jump"),
 }
+OF_GRIDS = ("equiangle_skew", "max_edge_ratio")
+"""What a structured grid is measured by besides, with all measures that only grids have."""
 PERCENTILES = (1, 50, 99)
 WORST = 10
 BINS = 12
@@ -209,26 +212,44 @@ def report(mesh: Mesh | StructuredGrid, measures: Sequence[str] | None = None) -
     """
     if isinstance(measures, str):
         measures = (measures,)
-    what = repr(mesh)
-    mesh = as_mesh(mesh)
-    names = DEFAULT_MEASURES.get(mesh.dimension, ()) if measures is None else tuple(measures)
-    rows = ((name, _row(mesh, name)) for name in names)
-    return QualityReport(what, {name: row for name, row in rows if row is not None})
+    flat = as_mesh(mesh)
+    for name in measures or ():
+        check_name(name, of_grid=isinstance(mesh, StructuredGrid))
+    names = _default_names(mesh, flat.dimension) if measures is None else tuple(measures)
+    rows = ((name, _row(mesh, flat, name)) for name in names)
+    return QualityReport(repr(mesh), {name: row for name, row in rows if row is not None})
 
 
-def _row(mesh: Mesh, name: str) -> Row | None:
-    """The numbers of one measure, or None if no cell has it."""
-    values = measure(mesh, name)
+def _default_names(mesh: Mesh | StructuredGrid, dimension: int) -> tuple[str, ...]:
+    names = DEFAULT_MEASURES.get(dimension, ())
+    if isinstance(mesh, StructuredGrid):
+        names += OF_GRIDS + tuple(GRID_MEASURES)
+    return names
+
+
+def _row(given: Mesh | StructuredGrid, mesh: Mesh, name: str) -> Row | None:
+    """The numbers of one measure of what was given, of which ``mesh`` has the cells, or None if no cell has it."""
+    if isinstance(given, StructuredGrid) and name in GRID_MEASURES:
+        tables = [(GRID_MEASURES[name], slice(0, mesh.n_cells))]
+        values = given.flat(measure(given, name))
+    else:
+        tables = [(lookup(kind, name), where) for kind, _, where in mesh.blocks()]
+        values = measure(mesh, name)
     cells = np.flatnonzero(~np.isnan(values))
     if not len(cells):
         return None
     low, high = np.full(mesh.n_cells, np.nan), np.full(mesh.n_cells, np.nan)
-    tables = [(lookup(kind, name), where) for kind, _, where in mesh.blocks()]
     for table, where in tables:
         if table:
             low[where], high[where] = table.acceptable
     first = next(table for table, where in tables if table and not np.isnan(values[where]).all())
-    values, low, high = values[cells], low[cells], high[cells]
+    return _numbers(name, first, cells, values[cells], low[cells], high[cells])
+
+
+def _numbers(
+    name: str, first: Measure, cells: np.ndarray, values: np.ndarray, low: np.ndarray, high: np.ndarray
+) -> Row:
+    """The numbers of the values that some cells have, of which each has its acceptable range."""
     slack = 1e-12 * np.where(np.isfinite(high), np.abs(high), 1.0)  # a perfect cell must not fail by rounding
     below, above = values < low - slack, values > high + slack
     # A value beyond the good end of the scale, such as a negative condition number, is worst of all.

@@ -423,6 +423,19 @@ def test_quality_picture_is_coloured(tmp_path, call):
     assert (tmp_path / "q.png").read_bytes().startswith(PNG)
 
 
+def test_quality_of_a_grid_has_lines_for_directions_and_walls(tmp_path, call):
+    grid, _ = mc.o_grid(gallery.circle(24), radius=3, layers=8)
+    mc.io.write(tmp_path / "g.vts", grid)
+    code, out, _ = call("quality", tmp_path / "g.vts")
+    for name in ("line_angle", "growth_i", "growth_j", "first_height_jmin", "face_angle_jmax", "equiangle_skew"):
+        assert code == 0 and name in out
+    words = ["quality", tmp_path / "g.vts", "--measure", "growth_j", "--picture", tmp_path / "q.png", "--quiet"]
+    assert call(*words) == (0, "", "")
+    assert (tmp_path / "q.png").read_bytes().startswith(PNG)
+    code, _, err = call("quality", tmp_path / "g.vts", "--measure", "growth_l")
+    assert code == 1 and "'growth_l' is no measure; try" in err and "growth_i" in err
+
+
 def test_quality_of_blocks_is_told_block_by_block(tmp_path, call):
     grid, _ = mc.transfinite(gallery.square(4))
     blocks = mc.MultiBlock((grid, grid.with_points(grid.points + [1, 0, 0])), ("left", "right"))
