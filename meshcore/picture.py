@@ -361,7 +361,8 @@ def _colours(values: np.ndarray | None) -> dict[str, Any]:
     if values is None:
         return {}
     finite = values[np.isfinite(values)]
-    low, high = (float(f"{v:.3g}") for v in ((finite.min(), finite.max()) if len(finite) else (0.0, 1.0)))
+    ends = np.array([finite.min(), finite.max()] if len(finite) else [0.0, 1.0])
+    low, high = (float(f"{v:.3g}") if abs(v) > 1e-12 * np.abs(ends).max() else 0.0 for v in ends)
     if high <= low:  # all the same but for round-off
         low, high = low - 0.5 * (abs(low) or 1.0), high + 0.5 * (abs(high) or 1.0)
     return {
@@ -376,9 +377,10 @@ def _colours(values: np.ndarray | None) -> dict[str, Any]:
 def _add_scale(plotter: Any, actor: Any, name: Any) -> None:
     """The scale of an actor's colours, in the narrow part of the picture to the right."""
     letters = max(plotter.window_size[1] // 50, 8)
+    title = name.replace("_", " ") if isinstance(name, str) else "values"
     plotter.subplot(0, 1)
     plotter.add_scalar_bar(
-        title=name.replace("_", " ") if isinstance(name, str) else "values",
+        title=title,
         mapper=actor.mapper,
         color="black",
         vertical=True,
@@ -386,7 +388,7 @@ def _add_scale(plotter: Any, actor: Any, name: Any) -> None:
         position_y=0.15,
         width=0.5,
         height=0.7,
-        title_font_size=letters,
+        title_font_size=min(letters, 12 * letters // len(title)),
         label_font_size=letters,
         n_labels=5,
     )

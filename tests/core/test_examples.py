@@ -26,6 +26,8 @@ NUMBERS = {
     "figure_27_bowyer_watson": None,
     "figure_28_boundary_not_respected": None,
     "figure_29_constrained_delaunay": None,
+    "flow_past_a_cylinder": 64 * 192,
+    "grid_quality": None,
     "surface_between_four_curves": 32 * 24,
 }
 
