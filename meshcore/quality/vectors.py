@@ -1,7 +1,7 @@
 """Small vectorised helpers that every measure is written with: products of vectors, lengths, guarded quotients.
 
 Arrays of vectors are fastest when the number of cells runs through memory first: `corners` gathers them that way,
-and everything here keeps it.
+and everything here keeps it, or another order that it is given.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     >>> cross(np.array([1.0, 0, 0]), np.array([0.0, 1, 0]))
     array([0., 0., 1.])
     """
-    product = np.zeros(np.broadcast_shapes(a.shape, b.shape)[::-1]).T
+    product = np.zeros_like(a, dtype=float, shape=np.broadcast_shapes(a.shape, b.shape))
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         np.subtract(a[..., j] * b[..., k], a[..., k] * b[..., j], out=product[..., i])
     return product

@@ -59,32 +59,35 @@ class Stencil:
         -------
         (..., n + growth, ...) float
         """
-        lines = self._extended(np.moveaxis(values, axis, 0), period)
+        extended = self._extended(values, axis, period)
         count = values.shape[axis] + self.growth
-        result = np.zeros((count, *lines.shape[1:]))
+        before, after = (slice(None),) * axis, (slice(None),) * (values.ndim - axis - 1)
+        result = np.zeros((*values.shape[:axis], count, *values.shape[axis + 1 :]))
         for k, weight in enumerate(self.weights):
             if weight:
-                result += weight * lines[k : k + count]
-        return np.ascontiguousarray(np.moveaxis(result, 0, axis))
+                result += weight * extended[(*before, slice(k, k + count), *after)]
+        return result
 
     def matrix(self, n: int, period: int = 0) -> scipy.sparse.csr_matrix:
         """(n + growth, n) sparse: the same for a line of n values."""
         band = scipy.sparse.diags(
             self.weights, range(len(self.weights)), shape=(n + self.growth, n + self.growth + len(self.weights) - 1)
         )
-        return scipy.sparse.csr_matrix(band @ self._extended(np.eye(n), period))
+        return scipy.sparse.csr_matrix(band @ self._extended(np.eye(n), 0, period))
 
-    def _extended(self, lines: np.ndarray, period: int) -> np.ndarray:
-        """The values with ghosts before and after them, as many as the stencil reaches."""
-        n = len(lines)
+    def _extended(self, values: np.ndarray, axis: int, period: int) -> np.ndarray:
+        """The values with ghosts before and after them along an axis, as many as the stencil reaches."""
+        n = values.shape[axis]
         before, after = -self.first, self.growth + self.first + len(self.weights) - 1
         if period:
-            return lines[np.arange(-before, n + after) % period]
+            return np.take(values, np.arange(-before, n + after) % period, axis)
         if not before and not after:
-            return lines
-        low = np.tensordot(_extrapolation(before, self.needed)[::-1], lines[: self.needed], 1)
-        high = np.tensordot(_extrapolation(after, self.needed), lines[: -self.needed - 1 : -1], 1)
-        return np.concatenate([low, lines, high])
+            return values
+        first = np.take(values, np.arange(self.needed), axis)
+        last = np.take(values, np.arange(n - 1, n - 1 - self.needed, -1), axis)
+        low = np.tensordot(_extrapolation(before, self.needed)[::-1], first, (1, axis))
+        high = np.tensordot(_extrapolation(after, self.needed), last, (1, axis))
+        return np.concatenate([np.moveaxis(low, 0, axis), values, np.moveaxis(high, 0, axis)], axis)
 
 
 @cache

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from meshcore import InvalidInput, quality
+from meshcore import InvalidInput, StructuredGrid, quality
 from meshcore.structured import FiniteVolumes
 from tests import curved_grids as curved
 from tests.curved_grids import cell_means, inside, model, order, planar_model, rms
@@ -91,6 +91,20 @@ def test_a_uniform_flow_is_kept_to_round_off(mapping, p):
     assert np.abs(volumes.divergence(flow)).max() < 1e-12
     closed = volumes.gradient(np.ones(grid.cell_shape))
     assert np.abs(closed).max() < 1e-12
+
+
+@pytest.mark.parametrize("p", [2, 4])
+@pytest.mark.parametrize("mapping", [curved.smooth, curved.sphere, curved.passage])
+def test_the_hand_of_the_grid_does_not_matter(mapping, p):
+    grid = curved.grid(mapping, 9)
+    scalar, vectors = random_fields(grid)
+    plain, mirrored = FiniteVolumes(grid, order=p), FiniteVolumes(StructuredGrid(grid.points[::-1]), order=p)
+    if mapping is not curved.sphere:  # whose sides are alike
+        np.testing.assert_allclose(mirrored.volumes[::-1], -plain.volumes, rtol=1e-12)
+    for name, values in (("gradient", scalar), ("laplacian", scalar), ("divergence", vectors)):
+        expected = getattr(plain, name)(values)
+        found = getattr(mirrored, name)(values[::-1])[::-1]
+        np.testing.assert_allclose(found, expected, atol=1e-10 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("mapping", [*PLANAR, *curved.VOLUMES])
