@@ -128,12 +128,10 @@ class Curvilinear(Metrics):
         slopes = [self._matrix(stencils.derivative, j) for j in range(self.dimension)]
         total = scipy.sparse.csr_matrix((size, size))
         for i in range(self.dimension):
-            inner = scipy.sparse.diags(self._middle_conductance[i].ravel()) @ self._matrix(
-                stencils.middle_derivative, i
-            )
-            cells = list(self.grid.shape)
-            cells[i] -= 1
-            total = total + self._matrix(stencils.derivative_of_middles, i, cells) @ inner
+            middles = [n - (axis == i) for axis, n in enumerate(self.grid.shape)]
+            outer, inner = self._matrix(stencils.derivative_of_middles, i, middles), stencils.middle_derivative
+            conductance = scipy.sparse.diags(self._middle_conductance[i].ravel())
+            total = total + outer @ conductance @ self._matrix(inner, i)
             for j in self.others(i):
                 total = total + slopes[i] @ scipy.sparse.diags(self.conductance(i, j).ravel()) @ slopes[j]
         return scipy.sparse.csr_matrix(scipy.sparse.diags(1 / self.jacobian.ravel()) @ total)
@@ -146,7 +144,7 @@ class Curvilinear(Metrics):
         source : (ni, nj, nk) float
             At the points; a number stands for the same everywhere.
         known : (ni, nj, nk) float
-            Values of f where it is given, as on the boundary; nan where it is to be found.
+            Values of f where it is given, on the whole boundary at least; nan where it is to be found.
 
         Returns
         -------
@@ -155,21 +153,21 @@ class Curvilinear(Metrics):
         Raises
         ------
         InvalidInput
-            If f is given nowhere.
+            If a value on the boundary is missing, or there are none at all.
         """
-        known = self._checked(known, "known", finite=False)
-        source = self._checked(np.broadcast_to(source, self.grid.shape), "source")
-        given = np.isfinite(known)
-        if not given.any():
-            raise InvalidInput("gives no value; a solution needs some, as on the boundary", parameter="known")
+        known = self._checked(known, "known", missing=True)
+        source = self._checked(source, "source")
         number = np.arange(self.grid.n_points).reshape(self.grid.shape)
         for axis, period in enumerate(self.periods):
             if period:
                 number = np.take(number, np.arange(number.shape[axis]) % period, axis)
-        free = np.unique(number[~given])
+        values = known.ravel().copy()
+        unknown = np.isnan(values[number])
+        self._check_boundary(unknown)
+        free = np.unique(number[unknown])
+        values[free] = 0.0
         matrix = self.laplacian_matrix()[free]
-        values = np.where(given, known, 0.0).ravel()
-        right = source.ravel()[free] - matrix @ values
+        right = source.ravel()[free] - matrix @ np.nan_to_num(values)
         values[free] = scipy.sparse.linalg.spsolve(matrix[:, free].tocsc(), right)
         return values[number]
 
@@ -204,7 +202,7 @@ class Curvilinear(Metrics):
         """
         density = self._checked(density, "density")
         velocity = self._checked(velocity, "velocity", 3)
-        source = self._checked(np.broadcast_to(source, self.grid.shape), "source")
+        source = self._checked(source, "source")
         if grid_velocity is None:
             return source - self.divergence(density[..., None] * velocity)
         grid_velocity = self._checked(grid_velocity, "grid_velocity", 3)
@@ -219,6 +217,19 @@ class Curvilinear(Metrics):
         parts[axis] = stencil.matrix(parts[axis].shape[0], self.periods[axis])
         return scipy.sparse.kron(scipy.sparse.kron(parts[0], parts[1]), parts[2], format="csr")
 
+    def _check_boundary(self, unknown: np.ndarray) -> None:
+        """Raise if a value on a face that is not periodic is unknown, or all are."""
+        boundary = np.zeros(self.grid.shape, bool)
+        for axis in range(self.dimension):
+            if not self.periods[axis]:
+                np.moveaxis(boundary, axis, 0)[[0, -1]] = True
+        lacking = np.argwhere(boundary & unknown)
+        if len(lacking) or unknown.all():
+            where = f"on the boundary at {tuple(lacking[0].tolist())}" if len(lacking) else "anywhere"
+            raise InvalidInput(
+                f"has no value {where}; give all of the boundary, so that f is unique", parameter="known"
+            )
+
     def _divergence_of(self, fluxes: list[np.ndarray]) -> np.ndarray:
         return sum(self.derivative(flux, i) for i, flux in enumerate(fluxes)) / self.jacobian
 
@@ -227,13 +238,15 @@ class Curvilinear(Metrics):
         """For each direction, J g^ii in the middles between the points along it."""
         return [self.along(self.stencils.middle, self.conductance(i, i), i) for i in range(self.dimension)]
 
-    def _checked(self, values: np.ndarray, name: str, components: int = 0, finite: bool = True) -> np.ndarray:
+    def _checked(self, values: np.ndarray, name: str, components: int = 0, missing: bool = False) -> np.ndarray:
         shape = (*self.grid.shape, components) if components else self.grid.shape
-        return checked_field(values, shape, name, finite)
+        return checked_field(values, shape, name, missing)
 
 
-def checked_field(values: np.ndarray, shape: tuple[int, ...], name: str, finite: bool = True) -> np.ndarray:
-    """Values as floats of a grid's shape, or `InvalidInput`; the layer of a surface may be left out.
+def checked_field(values: np.ndarray, shape: tuple[int, ...], name: str, missing: bool = False) -> np.ndarray:
+    """Values as floats of a grid's shape, or `InvalidInput`; nan are allowed where values may be missing.
+
+    One number stands for the same everywhere, and the layer of a surface may be left out.
 
     Examples
     --------
@@ -244,11 +257,14 @@ def checked_field(values: np.ndarray, shape: tuple[int, ...], name: str, finite:
         values = np.asarray(values, dtype=float)
     except (TypeError, ValueError):
         raise InvalidInput("needs numbers", parameter=name) from None
+    if values.ndim == 0:
+        values = np.full(shape, values)
     if shape[2] == 1 and values.shape == shape[:2] + shape[3:]:
         values = values.reshape(shape)
     if values.shape != shape:
         raise InvalidInput(f"needs shape {shape}, got {values.shape}", parameter=name)
-    if finite and not np.isfinite(values).all():
-        where = tuple(np.argwhere(~np.isfinite(values))[0].tolist())
+    bad = np.isinf(values) if missing else ~np.isfinite(values)
+    if bad.any():
+        where = tuple(np.argwhere(bad)[0].tolist())
         raise InvalidInput(f"is {values[where]} at {where}; give finite values", parameter=name)
     return values

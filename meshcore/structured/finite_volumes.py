@@ -236,7 +236,7 @@ class FiniteVolumes:
         """
         density = self._checked(density, "density")
         velocity = self._checked(velocity, "velocity", 3)
-        source = self._checked(np.broadcast_to(source, self.grid.cell_shape), "source")
+        source = self._checked(source, "source")
         carried, density = self.fluxes(velocity), self._in_indices(density)
         if swept is not None:
             carried = tuple(volume - moved for volume, moved in zip(carried, swept, strict=True))

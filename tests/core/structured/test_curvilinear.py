@@ -260,7 +260,12 @@ def square(n=6):
         (lambda: Curvilinear(square()).gradient("no"), InvalidInput, "values: needs numbers"),
         (lambda: Curvilinear(square()).divergence(np.zeros((7, 7, 1, 2))), InvalidInput, r"needs shape \(7, 7, 1, 3\)"),
         (lambda: Curvilinear(square()).laplacian(np.full((7, 7, 1), np.nan)), InvalidInput, r"is nan at \(0, 0, 0\)"),
-        (lambda: Curvilinear(square()).poisson(0, np.full((7, 7, 1), np.nan)), InvalidInput, "gives no value"),
+        (
+            lambda: Curvilinear(square()).poisson(0, np.full((7, 7, 1), np.nan)),
+            InvalidInput,
+            "has no value on the boundary at",
+        ),
+        (lambda: Curvilinear(square()).poisson(0, np.full((7, 7, 1), np.inf)), InvalidInput, r"is inf at \(0, 0, 0\)"),
     ],
 )
 def test_bad_input_is_named(wrong, error, text):
@@ -282,6 +287,19 @@ def test_folded_grids_are_refused_with_their_points():
 def test_a_periodic_grid_that_is_not_closed_is_refused():
     with pytest.raises(InvalidGeometry, match="periodic along i, but its last points are not where"):
         Curvilinear(StructuredGrid(square(8).points, periodic=(True, False, False)))
+
+
+def test_values_given_at_either_side_of_a_cut_or_inside():
+    """The first side of a cut counts; a value inside is kept, too."""
+    grid = curved.grid(curved.annulus, 8)
+    value = planar_model(grid.points)[0]
+    known = with_boundary(grid, value)
+    operators = Curvilinear(grid)
+    plain = operators.poisson(0.0, known)
+    known[-1] = np.nan
+    np.testing.assert_array_equal(operators.poisson(0.0, known), plain)
+    known[3, 4] = 7.0
+    assert operators.poisson(np.zeros(grid.shape[:2]), known)[3, 4, 0] == 7.0
 
 
 def test_values_of_a_surface_may_leave_out_its_layer():
