@@ -226,9 +226,7 @@ class Curvilinear(Metrics):
         lacking = np.argwhere(boundary & unknown)
         if len(lacking) or unknown.all():
             where = f"on the boundary at {tuple(lacking[0].tolist())}" if len(lacking) else "anywhere"
-            raise InvalidInput(
-                f"has no value {where}; give all of the boundary, so that f is unique", parameter="known"
-            )
+            raise InvalidInput(f"has no value {where}; give it all, so that f is unique", parameter="known")
 
     def _divergence_of(self, fluxes: list[np.ndarray]) -> np.ndarray:
         return sum(self.derivative(flux, i) for i, flux in enumerate(fluxes)) / self.jacobian
