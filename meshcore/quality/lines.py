@@ -30,9 +30,8 @@ KINDS = tuple(kind for kind in ("quad", "hexahedron", "wedge", "pyramid", "tetra
 """Kinds of cell that lines run through."""
 
 
-def _across(mesh: Mesh, cell: np.ndarray) -> np.ndarray:
-    """(k, 4) int: for the nodes of each facet, those at the other ends of the edges that leave it in a cell, or -1."""
-    nodes = mesh.facets.nodes
+def _across(mesh: Mesh, nodes: np.ndarray, cell: np.ndarray) -> np.ndarray:
+    """(k, n) int: for the nodes of facets, those at the other ends of the edges that leave them in a cell, or -1."""
     ordered = np.sort(nodes, axis=1)
     found = np.full(nodes.shape, -1)
     for kind, cells, where in mesh.blocks():
@@ -52,10 +51,18 @@ def _across(mesh: Mesh, cell: np.ndarray) -> np.ndarray:
     return found
 
 
-def _edges(mesh: Mesh, cell: np.ndarray) -> np.ndarray:
-    """(k, 4, 3) float: the edges that leave each facet in a cell; nan where there is none."""
-    nodes, ends = mesh.facets.nodes, _across(mesh, cell)
+def _edges(mesh: Mesh, rows: np.ndarray, cell: np.ndarray) -> np.ndarray:
+    """(k, n, 3) float: the edges that leave some facets in a cell of each; nan where there is none."""
+    nodes = mesh.facets.nodes[rows][:, : 2 if mesh.dimension == 2 else 4]
+    ends = _across(mesh, nodes, cell[rows])
     return np.where((ends >= 0)[..., None], mesh.points[ends] - mesh.points[nodes], np.nan)
+
+
+def _of_all(mesh: Mesh, rows: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """(k,) float: values of some facets among all, others nan."""
+    found = np.full(len(mesh.facets.owner), np.nan)
+    found[rows] = values
+    return found
 
 
 def line_growth(mesh: Mesh) -> np.ndarray:
@@ -78,17 +85,22 @@ def line_growth(mesh: Mesh) -> np.ndarray:
     >>> np.nanmax(line_growth(Mesh(points, {"quad": [[0, 1, 4, 3], [1, 2, 5, 4]]})))
     np.float64(3.0)
     """
-    before, after = (length(_edges(mesh, cell)) for cell in (mesh.facets.owner, mesh.facets.neighbour))
+    _, owner, neighbour, _ = mesh.facets
+    rows = np.flatnonzero(neighbour >= 0)
+    before, after = (length(_edges(mesh, rows, cell)) for cell in (owner, neighbour))
     ratio = quotient(np.fmax(before, after), np.minimum(before, after), np.inf)
-    return np.fmax.reduce(np.where(np.isnan(before) | np.isnan(after), np.nan, ratio), axis=1)
+    of_lines = np.where(np.isnan(before) | np.isnan(after), np.nan, ratio)
+    return _of_all(mesh, rows, np.fmax.reduce(of_lines, axis=1))
 
 
-def _heights_and_lengths(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
-    """Two (k, 4) float: how far the edges that leave each facet of the boundary reach along its normal, and in all."""
-    areas = geometry(mesh).facet_areas
+def _heights_and_lengths(mesh: Mesh) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The facets of the boundary, and how far the edges that leave them reach along their normals, and in all."""
+    _, owner, neighbour, _ = mesh.facets
+    rows = np.flatnonzero(neighbour < 0)
+    areas = geometry(mesh).facet_areas[rows]
     inward = -quotient(areas, length(areas)[:, None], 0.0)
-    edges = _edges(mesh, np.where(mesh.facets.neighbour < 0, mesh.facets.owner, -1))
-    return dot(edges, inward[:, None]), length(edges)
+    edges = _edges(mesh, rows, owner)
+    return rows, dot(edges, inward[:, None]), length(edges)
 
 
 def wall_height(mesh: Mesh) -> np.ndarray:
@@ -110,8 +122,8 @@ def wall_height(mesh: Mesh) -> np.ndarray:
     >>> bool(np.isclose(wall_height(mesh)[(mesh.facets.nodes[:, :2] == [0, 1]).all(axis=1)], 1.0).all())
     True
     """
-    heights, _ = _heights_and_lengths(mesh)
-    return np.fmin.reduce(heights, axis=1)
+    rows, heights, _ = _heights_and_lengths(mesh)
+    return _of_all(mesh, rows, np.fmin.reduce(heights, axis=1))
 
 
 def wall_angle(mesh: Mesh) -> np.ndarray:
@@ -133,9 +145,10 @@ def wall_angle(mesh: Mesh) -> np.ndarray:
     >>> wall_angle(mesh).round(9).tolist()
     [45.0, 45.0, 45.0, 45.0]
     """
-    heights, lengths = _heights_and_lengths(mesh)
+    rows, heights, lengths = _heights_and_lengths(mesh)
     sine = np.clip(quotient(heights, lengths, 0.0), -1, 1)
-    return np.fmin.reduce(np.where(np.isnan(heights), np.nan, np.degrees(np.arcsin(sine))), axis=1)
+    angles = np.where(np.isnan(heights), np.nan, np.degrees(np.arcsin(sine)))
+    return _of_all(mesh, rows, np.fmin.reduce(angles, axis=1))
 
 
 MEASURES = {
