@@ -10,7 +10,7 @@ from ..errors import InvalidInput
 from ..mesh import StructuredGrid
 from ..quality.vectors import cross
 from .curvilinear import checked_field
-from .metrics import Metrics, Order
+from .metrics import Metrics, Order, check_sign
 from .stencils import DIFFERENCE, SLOPE
 from .swept import swept_volumes
 
@@ -41,8 +41,10 @@ class FiniteVolumes:
 
     Raises
     ------
-    InvalidInput, InvalidGeometry
-        As `Curvilinear`.
+    InvalidInput
+        If a line is too short or the order unknown.
+    InvalidGeometry
+        If a cell has no volume or is turned over (`cells` tells which), or a periodic direction is not closed.
 
     References
     ----------
@@ -62,6 +64,7 @@ class FiniteVolumes:
     def __init__(self, grid: StructuredGrid, order: Order = 2):
         self.metrics = Metrics(grid, order)
         self.grid, self.order = grid, order
+        check_sign(self.volumes, "volume", "cells")
 
     def __repr__(self) -> str:
         return f"FiniteVolumes({self.grid!r}, order={self.order})"
@@ -291,9 +294,8 @@ class FiniteVolumes:
         if self.metrics.is_curved:
             return tuple(self._mean(area, i) for i, area in enumerate(self.metrics.area_vectors))
         position, normal = self.metrics.position, self.metrics.normal
-        return cross(self.metrics.along(DIFFERENCE, position, 1), normal), cross(
-            normal, self.metrics.along(DIFFERENCE, position, 0)
-        )
+        along_i, along_j = (self.metrics.along(DIFFERENCE, position, axis) for axis in (0, 1))
+        return cross(along_j, normal), cross(normal, along_i)
 
     def _edge_integrals(self, axis: int) -> np.ndarray:
         """Half the integral of r x dr along each edge of one direction."""
@@ -305,7 +307,7 @@ class FiniteVolumes:
         return 0.5 * integral
 
     def _mean_product(self, a: np.ndarray, b: np.ndarray, across: int | None = None) -> np.ndarray:
-        """Mean of a product over faces, or cells, of the means of its factors (Colella and others, eq. 24)."""
+        """Mean of a product over faces, or cells, of the means of its factors (Colella and others)."""
         product = a * b
         if self.order == 4:
             for axis in self.metrics.others(across):

@@ -109,7 +109,7 @@ class Metrics:
         """
         base = self.covariant
         jacobian = dot(base[0], cross(base[1], base[2])) if self.dimension == 3 else dot(cross(*base), self.normal)
-        _check_jacobian(jacobian)
+        check_sign(jacobian, "Jacobian", "points")
         return jacobian
 
     @cached_property
@@ -188,13 +188,19 @@ def _check_lines(grid: StructuredGrid, order: int, periods: tuple[int, ...]) -> 
             )
 
 
-def _check_jacobian(jacobian: np.ndarray) -> None:
-    sign = np.sign(jacobian)
+def check_sign(values: np.ndarray, name: str, of: Literal["points", "cells"]) -> None:
+    """Raise `InvalidGeometry`, with the places, if Jacobians or volumes vanish or differ in sign.
+
+    Examples
+    --------
+    >>> check_sign(np.array([[[-1.0], [-2.0]]]), "volume", "cells")
+    """
+    sign = np.sign(values)
     bad = np.argwhere(sign != (np.sign(sign.sum()) or 1.0))
     if len(bad):
         raise InvalidGeometry(
-            f"has a Jacobian that is zero or of the other sign at {len(bad)} of {sign.size} points, the first at "
+            f"has a {name} that is zero or of the other sign at {len(bad)} of {sign.size} {of}, the first at "
             f"{tuple(bad[0].tolist())}; give a grid that does not fold or collapse there",
             parameter="grid",
-            points=np.ravel_multi_index(tuple(bad.T), jacobian.shape, order="F"),
+            **{of: np.ravel_multi_index(tuple(bad.T), values.shape, order="F")},
         )

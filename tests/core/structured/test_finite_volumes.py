@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from meshcore import InvalidInput, StructuredGrid, quality
+from meshcore import InvalidGeometry, InvalidInput, StructuredGrid, quality
 from meshcore.structured import FiniteVolumes
 from tests import curved_grids as curved
 from tests.curved_grids import cell_means, inside, model, order, planar_model, rms
@@ -191,6 +191,20 @@ def test_convection_keeps_its_order(p):
         found = volumes.convection(density, flow, source=2.0) / volumes.volumes
         errors.append(rms(inside(found - expected)))
     assert order(sizes, errors) == pytest.approx(p, abs=TOLERANCE[p])
+
+
+def test_folded_cells_are_refused_with_their_numbers():
+    points = curved.grid(curved.smooth, 8).points.copy()
+    points[4, 4] = points[2, 4]
+    grid = StructuredGrid(points)
+    x, y = np.moveaxis(points[:, :, 0, :2], -1, 0)
+    area = 0.5 * (
+        (x[1:, 1:] - x[:-1, :-1]) * (y[:-1, 1:] - y[1:, :-1]) - (y[1:, 1:] - y[:-1, :-1]) * (x[:-1, 1:] - x[1:, :-1])
+    )
+    folded = np.flatnonzero(area.ravel(order="F") <= 0)
+    with pytest.raises(InvalidGeometry, match="volume that is zero or of the other sign at 2 of 64 cells") as caught:
+        FiniteVolumes(grid)
+    assert sorted(caught.value.cells) == folded.tolist()
 
 
 @pytest.mark.parametrize(
