@@ -28,6 +28,7 @@ NUMBERS = {
     "figure_29_constrained_delaunay": None,
     "flow_past_a_cylinder": 64 * 192,
     "grid_quality": None,
+    "moving_grid": 48 * 48,
     "surface_between_four_curves": 32 * 24,
 }
 
