@@ -16,8 +16,9 @@ from ..progress import Progress, advance, silent
 from ..report import Report, Result
 from .background import background_field, checked_sizes, only_array
 from .gradation import checked_gradation, limited
+from .metric import evaluated_metrics
 from .metric import lengths as lengths_in_metric
-from .size_field import SizeField, evaluated
+from .size_field import SizeField, answered, evaluated
 from .stretches import Stretch, stretches_of
 
 MAX_LINES = 20_000_000
@@ -193,9 +194,9 @@ class _Wanted:
         if self.background is not None:
             sizes = np.minimum(sizes, self.background(points))
         if self.size_field is not None:
-            asked = self.size_field(points)
-            if np.shape(asked) == (len(points), 3, 3):
-                metrics = np.asarray(asked, float)
+            asked = answered(self.size_field, points)
+            if asked.ndim == 3:
+                metrics = evaluated_metrics(asked, points)
             else:
                 sizes = np.minimum(sizes, evaluated(lambda _: asked, points))
         if self.gradation is not None:

@@ -130,6 +130,55 @@ def _decomposed(metrics: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return values * scale[..., None], vectors
 
 
+def evaluated_metrics(metrics: np.ndarray, points: np.ndarray, parameter: str = "size_field") -> np.ndarray:
+    """(m, 3, 3) float: what a field of metrics returned at (m, 3) points, checked.
+
+    Raises
+    ------
+    InvalidInput
+        If there is not one 3 x 3 matrix a point, or one is not finite, symmetric and positive definite; it says where.
+
+    Examples
+    --------
+    >>> evaluated_metrics(np.tile(4 * np.eye(3), (2, 1, 1)), np.zeros((2, 3))).shape
+    (2, 3, 3)
+    """
+    metrics = np.asarray(metrics, float)
+    if metrics.shape != (len(points), 3, 3):
+        raise InvalidInput(
+            f"must return shape ({len(points)}, 3, 3), one metric a point, got {metrics.shape}", parameter=parameter
+        )
+    scale = np.abs(metrics).max(axis=(1, 2), initial=0.0)
+    finite = np.isfinite(scale)
+    with np.errstate(invalid="ignore"):  # infinite ones were found already
+        symmetric = np.abs(metrics - metrics.transpose(0, 2, 1)).max(axis=(1, 2)) <= 1e-9 * scale
+    definite = _positive_definite(metrics / np.where(finite & (scale > 0), scale, 1)[:, None, None])
+    faults = (
+        (~finite, "is not finite"),
+        (~symmetric, "is not symmetric"),
+        (~definite, "is not positive definite; its eigenvalues are 1 / spacing^2, greater than zero"),
+        (
+            ~((scale >= _LARGEST**-2) & (scale <= _SMALLEST**-2)),
+            f"asks for spacings beyond {_SMALLEST:g} to {_LARGEST:g}",
+        ),
+    )
+    for faulty, fault in faults:
+        if faulty.any():
+            at = int(faulty.argmax())
+            place = ", ".join(f"{x:.6g}" for x in points[at])
+            raise InvalidInput(f"the metric {metrics[at].tolist()} at ({place}) {fault}", parameter=parameter)
+    return metrics
+
+
+def _positive_definite(metrics: np.ndarray) -> np.ndarray:
+    """(n,) bool: whether the pivots of each matrix are greater than zero; far cheaper than eigenvalues."""
+    (a, b, c), (d, e), f = metrics[:, 0].T, metrics[:, 1, 1:].T, metrics[:, 2, 2]
+    with np.errstate(all="ignore"):
+        second = d - b * b / a
+        third = f - c * c / a - (e - b * c / a) ** 2 / second
+    return (a > 0) & (second > 0) & (third > 0)
+
+
 def _composed(values: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     return np.einsum("...xk,...k,...yk->...xy", vectors, values, vectors)
 

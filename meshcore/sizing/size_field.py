@@ -14,6 +14,25 @@ SizeField = Callable[[np.ndarray], np.ndarray]
 """``size_field(points)`` takes (m, 3) points and returns (m,) largest edge lengths, greater than zero."""
 
 
+def answered(size_field: SizeField, points: np.ndarray, parameter: str = "size_field") -> np.ndarray:
+    """The numbers that a field returns at (m, 3) points, of any shape.
+
+    Raises
+    ------
+    InvalidInput
+        If it fails, or returns no numbers.
+
+    Examples
+    --------
+    >>> answered(lambda p: [1, 2], np.zeros((2, 3)))
+    array([1., 2.])
+    """
+    try:
+        return np.asarray(size_field(points), dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InvalidInput(f"failed on an (m, 3) array of points: {error}", parameter=parameter) from error
+
+
 def evaluated(size_field: SizeField, points: np.ndarray, parameter: str = "size_field") -> np.ndarray:
     """(m,) float: a size field at (m, 3) points, checked.
 
@@ -27,10 +46,7 @@ def evaluated(size_field: SizeField, points: np.ndarray, parameter: str = "size_
     >>> evaluated(lambda p: 0.1 + p[:, 0], np.zeros((2, 3)))
     array([0.1, 0.1])
     """
-    try:
-        sizes = np.asarray(size_field(points), dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InvalidInput(f"failed on an (m, 3) array of points: {error}", parameter=parameter) from error
+    sizes = answered(size_field, points, parameter)
     if sizes.ndim == 0:
         sizes = np.full(len(points), float(sizes))
     if sizes.shape != (len(points),):

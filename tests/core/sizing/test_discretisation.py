@@ -232,6 +232,48 @@ def test_bad_input_is_named(curve, keywords, message):
         discretised(curve, **keywords)
 
 
+NOT_METRICS = {
+    "nan": (np.diag([4.0, np.nan, 4.0]), r"at \(0, 0, 0\) is not finite"),
+    "infinite": (np.diag([4.0, 4.0, np.inf]), "is not finite"),
+    "not symmetric": ([[4, 1, 0], [0, 4, 0], [0, 0, 4]], "is not symmetric"),
+    "negative": (np.diag([4.0, -1.0, 4.0]), "is not positive definite"),
+    "indefinite by its corners": ([[1, 2, 0], [2, 1, 0], [0, 0, 1]], "is not positive definite"),
+    "flat in a slanted direction": (np.ones((3, 3)), "is not positive definite"),
+    "zero": (np.zeros((3, 3)), "is not positive definite"),
+    "too small": (1e300 * np.eye(3), "asks for spacings beyond"),
+    "two by two": (np.eye(2), r"must return shape \(\d+, 3, 3\), one metric a point, got \(\d+, 2, 2\)"),
+}
+
+
+@pytest.mark.parametrize("case", NOT_METRICS)
+def test_what_is_no_metric_is_refused(case):
+    matrix, message = NOT_METRICS[case]
+    with pytest.raises(InvalidInput, match="size_field: .*" + message):
+        discretised(gallery.square(), size_field=lambda p: np.tile(np.asarray(matrix, float), (len(p), 1, 1)))
+
+
+def test_fields_of_the_wrong_number_of_metrics_are_refused():
+    with pytest.raises(InvalidInput, match=r"got \(1, 3, 3\)"):
+        discretised(gallery.square(), size_field=lambda p: np.eye(3)[None])
+    with pytest.raises(InvalidInput, match="failed on"):
+        discretised(gallery.square(), size_field=lambda p: [np.eye(3), 1])
+
+
+def test_the_fault_of_a_metric_is_named_where_it_is():
+    def field(p):
+        return np.where(p[:, :1, None] > 0.7, -1.0, 4.0) * np.eye(3)
+
+    with pytest.raises(InvalidInput, match=r"at \((0\.7\d*|1), 0, 0\) is not positive"):
+        discretised(Mesh([[0, 0], [1, 0]], {"line": [[0, 1]]}), size_field=field)
+
+
+def test_strong_stretching_is_a_metric():
+    turned = metric(0.01, [1e6], [[[1, 1, 0]]])
+    line = Mesh([[0, 0], [1, -1]], {"line": [[0, 1]]})
+    mesh, _ = discretised(line, size_field=lambda p: np.tile(turned, (len(p), 1, 1)))
+    assert mesh.n_cells == round(np.sqrt(2) / 0.01)
+
+
 def test_bad_curves_are_named():
     with pytest.raises(InvalidInput, match="radius: must be finite and greater"):
         arc([0, 0], -1.0)
