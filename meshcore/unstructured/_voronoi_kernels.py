@@ -11,6 +11,7 @@ J. R. Shewchuk, "Lecture notes on geometric robustness" (2013), section 3.10, fo
 import numpy as np
 
 from .._numba import kernel
+from ..geometry._alternating_digital_tree_kernels import STACK
 from ..geometry._predicates_kernels import _add, _multiply, orient2d, orient3d, two_sum
 from ._half_edge_kernels import U
 
@@ -320,23 +321,52 @@ def _determinant(matrix, p, q, s):
     return total
 
 
-@kernel
-def beyond_planes(points, normals, offsets, middle, radius, reach):
-    """How far each point lies beyond the plane that it is farthest beyond; within a ball inside all planes, zero."""
-    n, dimension = points.shape
-    for i in range(n):
+@kernel(allocates=True)
+def first_beyond(points, after, planes, order, right, first, bounds, radius, tolerance, found):
+    """For each point the first plane, by number above ``after``, that it lies beyond by more than the tolerance.
+
+    Where there is none, the number of planes. ``planes`` are rows of normal and distance from the origin, in the order
+    of the leaves of a tree over them; nothing within ``radius`` of the origin is beyond any. How far a point lies
+    beyond the planes of a node at most follows from the node's bounds, summed up as for a plane, so that rounding,
+    which is monotone, cannot make it less.
+    """
+    n_planes = len(order)
+    dimension = points.shape[1]
+    size = 2 * dimension + 2
+    stack = np.empty(STACK, np.int64)
+    for i in range(len(points)):
+        found[U(i)] = n_planes
         square = 0.0
         for axis in range(dimension):
-            square += (points[i, axis] - middle[axis]) ** 2
-        reach[U(i)] = 0.0
+            square += points[U(i), U(axis)] ** 2
         if square < radius * radius:
             continue
-        reach[U(i)] = -np.inf
-        for k in range(len(normals)):
-            height = -offsets[U(k)]
+        stack[0] = 0
+        waiting = 1
+        while waiting > 0:
+            waiting -= 1
+            node = stack[U(waiting)]
+            b = size * node
+            most = -bounds[U(b + dimension)]
             for axis in range(dimension):
-                height += normals[k, axis] * points[i, axis]
-            reach[U(i)] = max(reach[U(i)], height)
+                x = points[U(i), U(axis)]
+                most += max(bounds[U(b + axis)] * x, bounds[U(b + dimension + 1 + axis)] * x)
+            if most <= tolerance:
+                continue
+            if right[U(node)] > 0:
+                stack[U(waiting)] = right[U(node)]
+                stack[U(waiting + 1)] = node + 1
+                waiting += 2
+                continue
+            for item in range(first[U(node)], first[U(node)] - right[U(node)]):
+                plane = order[U(item)]
+                if plane <= after[U(i)] or plane >= found[U(i)]:
+                    continue
+                height = -planes[U(item), U(dimension)]
+                for axis in range(dimension):
+                    height += planes[U(item), U(axis)] * points[U(i), U(axis)]
+                if height > tolerance:
+                    found[U(i)] = plane
 
 
 @kernel

@@ -3,27 +3,34 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from ..errors import InvalidGeometry, InvalidInput
+from ..geometry.alternating_digital_tree import Tree
 from ..mesh import Mesh
 from ..operation import Length, Relative, absolute
+from ..progress import Progress, advance, silent
 from . import _voronoi_kernels as kernels
 
 EPSILON = float(np.finfo(float).eps)
+# Points between two looks at progress.
+_CHUNK = 1 << 17
 
 
 @dataclass(frozen=True, eq=False)
 class ConvexDomain:
-    """Where no plane's outside is: ``normals @ x <= offsets``.
+    """Where no plane's outside is: ``normals @ (x - middle) <= offsets``.
 
     Attributes
     ----------
     normals : (k, d) float
         Unit normals, outward.
+    middle : (d,) float
+        A point inside, so that far from the origin nothing cancels.
     offsets : (k,) float
-        Distances of the planes from the origin along their normals.
+        Distances of the planes from the middle along their normals.
     corners : (c, d) float
         Points whose hull the domain is.
     is_box : bool
@@ -31,6 +38,7 @@ class ConvexDomain:
     """
 
     normals: np.ndarray
+    middle: np.ndarray
     offsets: np.ndarray
     corners: np.ndarray
     is_box: bool
@@ -45,27 +53,66 @@ class ConvexDomain:
         """What rounding can move a point by, in the domain's unit."""
         return 64 * EPSILON * self.diagonal + 8 * EPSILON * float(np.abs(self.corners).max())
 
-    def beyond(self, points: np.ndarray) -> np.ndarray:
-        """(n,) float: how far each point lies beyond the plane that it is farthest beyond; not positive inside."""
-        middle = self.corners.mean(axis=0)
-        radius = float((self.offsets - self.normals @ middle).min())
-        reach = np.empty(len(points))
-        kernels.beyond_planes(np.ascontiguousarray(points), self.normals, self.offsets, middle, radius, reach)
-        return reach
+    @property
+    def n_planes(self) -> int:
+        """Number of planes."""
+        return len(self.offsets)
 
-    def outside(self, points: np.ndarray) -> np.ndarray:
-        """(n,) bool: whether each point lies beyond a plane by more than rounding."""
-        return self.beyond(points) > self.tolerance
+    @cached_property
+    def _tree(self) -> tuple[np.ndarray, Tree]:
+        """The planes as rows of normal and offset, and a tree over them."""
+        planes = np.column_stack([self.normals, self.offsets])
+        return planes, Tree(planes, planes)
+
+    def first_beyond(
+        self,
+        points: np.ndarray,
+        *,
+        after: np.ndarray | None = None,
+        tolerance: float | None = None,
+        progress: Progress = silent,
+    ) -> np.ndarray:
+        """(n,) int: the first plane that each point lies beyond by more than rounding, or else ``n_planes``.
+
+        Only planes with greater numbers than those of ``after`` count, if it is given.
+        """
+        planes, tree = self._tree
+        least = np.full(len(points), -1) if after is None else after
+        tolerance = self.tolerance if tolerance is None else tolerance
+        found = np.empty(len(points), np.int64)
+        for start in range(0, len(points), _CHUNK):
+            advance(progress, start / len(points), "clipping cells")
+            part = slice(start, start + _CHUNK)
+            kernels.first_beyond(
+                points[part] - self.middle, least[part], planes[tree.order], tree.order, tree.right, tree.first,
+                tree.bounds, self.offsets.min(), tolerance, found[part],
+            )  # fmt: skip
+        return found
+
+    def crossings(self, inside: np.ndarray, outside: np.ndarray, plane: np.ndarray) -> np.ndarray:
+        """(n, d) float: where edges leave the domain by planes; at their inner end if that is on the plane."""
+        normals, offsets = self.normals[plane], self.offsets[plane]
+        low, high = (np.einsum("ij,ij->i", normals, ends - self.middle) - offsets for ends in (inside, outside))
+        share = np.divide(-low, high - low, out=np.zeros(len(low)), where=high > low)
+        return inside + np.clip(share, 0.0, 1.0)[:, None] * (outside - inside)
+
+    def put_on(self, points: np.ndarray) -> np.ndarray:
+        """Points that rounding keeps off a plane of a box, put on it exactly."""
+        for value in (self.corners.min(axis=0), self.corners.max(axis=0)) if self.is_box else ():
+            points = np.where(np.abs(points - value) <= self.tolerance, value, points)
+        return points
 
 
 def box(lower: np.ndarray, upper: np.ndarray) -> ConvexDomain:
     """The box between two corners."""
     lower, upper = np.asarray(lower, float), np.asarray(upper, float)
     axes = np.eye(len(lower))
+    middle = 0.5 * lower + 0.5 * upper
     choices = np.stack(np.meshgrid(*[[0, 1]] * len(lower), indexing="ij"), axis=-1).reshape(-1, len(lower))
     return ConvexDomain(
         np.concatenate([-axes, axes]),
-        np.concatenate([-lower, upper]),
+        middle,
+        np.concatenate([middle - lower, upper - middle]),
         np.where(choices, upper, lower),
         True,
     )
@@ -159,23 +206,26 @@ def _convex(boundary: Mesh, points: np.ndarray, faces: np.ndarray, normals: np.n
     start = points[faces[kept, 0]]
     middle = corners.mean(axis=0)
     normals[np.einsum("ij,ij->i", start - middle, normals) < 0] *= -1
-    # Sides in many pieces, such as the triangles of a box, are one plane.
-    first = _different(normals, np.einsum("ij,ij->i", start - middle, normals) / diagonal)
-    normals, start = normals[first], start[first]
-    offsets = np.einsum("ij,ij->i", start, normals)
-    for normal, offset, at in zip(normals, offsets, start, strict=True):
-        high = points[np.unique(faces)] @ normal - offset
-        if high.max() > 1e-9 * diagonal:
-            where = int(np.unique(faces)[high.argmax()])
-            raise InvalidGeometry(
-                f"is not convex: point {where} lies {high.max():g} beyond the side through {at.tolist()}; "
-                "give a convex boundary, or a box",
-                parameter="boundary",
-                points=(where,),
-            )
-    if (offsets - normals @ middle).min() <= 1e-12 * diagonal:
+    offsets = np.einsum("ij,ij->i", start - middle, normals)
+    # Sides in many pieces, such as the triangles of a box, are one plane. In random order few planes wait for each
+    # other when cells are clipped.
+    first = np.random.default_rng(0).permutation(_different(normals, offsets / diagonal))
+    normals, start, offsets = normals[first], start[first], offsets[first]
+    if offsets.min() <= 1e-12 * diagonal:
         raise InvalidGeometry(f"encloses nothing: {boundary!r}", parameter="boundary")
-    return ConvexDomain(normals, offsets, corners, False)
+    domain = ConvexDomain(normals, middle, offsets, corners, False)
+    beyond = domain.first_beyond(corners, tolerance=1e-9 * diagonal + domain.tolerance)
+    dent = np.flatnonzero(beyond < domain.n_planes)
+    if len(dent):
+        plane, where = beyond[dent[0]], int(np.unique(faces)[dent[0]])
+        high = normals[plane] @ (corners[dent[0]] - start[plane])
+        raise InvalidGeometry(
+            f"is not convex: point {where} lies {high:g} beyond the side through {start[plane].tolist()}; "
+            "give a convex boundary, or a box",
+            parameter="boundary",
+            points=(where,),
+        )
+    return domain
 
 
 def _different(normals: np.ndarray, offsets: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ from ..operation import Length, Param, Port, Relative, operation
 from ..progress import Progress, advance, part_of, silent
 from ..report import Report, Result
 from . import voronoi_cells
-from .clipping import clipped_faces, clipped_polygons
+from .clipping import clipped
 from .convex_domain import ConvexDomain, domain_of
 from .delaunay import delaunay_2d
 from .delaunay_3d import delaunay_3d
@@ -67,7 +67,8 @@ def voronoi_2d(
     -------
     Result
         `PolyhedralMesh` of counter-clockwise polygons in the order of their sites, ``cell_data["site"]`` the row of
-        each in ``points``. Counts: points, cells, duplicates (sites at the place of an earlier one), outside.
+        each in ``points``. Counts: points, cells, duplicates (sites at the place of an earlier one), outside,
+        lost (sites on the domain's edge up to rounding, which leaves their cells nothing).
 
     Raises
     ------
@@ -133,7 +134,8 @@ def voronoi_3d(
     -------
     Result
         `PolyhedralMesh` of polyhedra in the order of their sites, ``cell_data["site"]`` the row of each in
-        ``points``. Counts: points, faces, cells, duplicates (sites at the place of an earlier one), outside.
+        ``points``. Counts: points, faces, cells, duplicates (sites at the place of an earlier one), outside,
+        lost (sites on the domain's edge up to rounding, which leaves their cells nothing).
 
     Raises
     ------
@@ -170,14 +172,14 @@ def _diagram(
     exponent = _exponent(cloud, boundary, box if any(box) or isinstance(margin, Relative) else (margin,))
     xyz = np.ldexp(cloud.points[:, :dimension], -exponent)
     domain = domain_of(xyz, boundary, margin, box, exponent)
-    rows = np.flatnonzero(domain.beyond(xyz) <= domain.tolerance)
+    rows = np.flatnonzero(domain.first_beyond(xyz) == domain.n_planes)
     if not len(rows):
         raise InvalidInput(f"none of the {len(xyz)} points is within the domain; enlarge it", parameter="points")
     make = _planar if dimension == 2 else _spatial
-    mesh, has_cell = make(np.ascontiguousarray(xyz[rows]), domain, progress)
+    mesh, has_cell, duplicates = make(np.ascontiguousarray(xyz[rows]), domain, progress)
     mesh = mesh.with_points(np.ldexp(mesh.points, exponent)).with_cell_data(site=rows[has_cell])
     advance(progress, 1.0, "done")
-    return Result(mesh, _report(mesh, len(xyz), len(rows)))
+    return Result(mesh, _report(mesh, len(xyz), len(rows), duplicates))
 
 
 def _exponent(cloud: Mesh, boundary: Any, lengths: tuple[float, ...]) -> int:
@@ -189,44 +191,45 @@ def _exponent(cloud: Mesh, boundary: Any, lengths: tuple[float, ...]) -> int:
     return 0 if abs(exponent) <= SAFE_EXPONENT else exponent
 
 
-def _report(mesh: PolyhedralMesh, given: int, within: int) -> Report:
+def _report(mesh: PolyhedralMesh, given: int, within: int, duplicates: int) -> Report:
     counts = {"points": mesh.n_points}
     if mesh.dimension == 3:
         counts["faces"] = mesh.n_faces
-    counts |= {"cells": mesh.n_cells, "duplicates": within - mesh.n_cells, "outside": given - within}
+    lost = within - duplicates - mesh.n_cells
+    counts |= {"cells": mesh.n_cells, "duplicates": duplicates, "outside": given - within, "lost": lost}
     report = Report(counts=counts)
     if counts["duplicates"]:
         report.warnings.append(f"{counts['duplicates']} sites are at the place of an earlier one and have no cell")
+    if lost:
+        report.warnings.append(
+            f"{lost} sites are on the domain's edge up to rounding, which leaves their cells nothing"
+        )
     if counts["outside"]:
         report.warnings.append(f"{counts['outside']} points are outside the domain and have no cell")
     return report
 
 
-def _planar(sites: np.ndarray, domain: ConvexDomain, progress: Progress) -> tuple[PolyhedralMesh, np.ndarray]:
-    """The diagram in the plane, and which sites have a cell."""
+def _planar(sites: np.ndarray, domain: ConvexDomain, progress: Progress) -> tuple[PolyhedralMesh, np.ndarray, int]:
+    """The diagram in the plane, which sites have a cell, and how many are at the place of an earlier one."""
     vertices = np.concatenate([sites, voronoi_cells.far_points(domain)])
-    triangles = delaunay_2d(vertices, progress=part_of(progress, 0.0, 0.6)).mesh.get("triangle")
+    triangulation, report = delaunay_2d(vertices, progress=part_of(progress, 0.0, 0.6))
     advance(progress, 0.6, "joining circumcentres")
-    cells = voronoi_cells.planar_cells(vertices, triangles, len(sites), domain.tolerance)
-    advance(progress, 0.8, "clipping cells")
-    cells = clipped_polygons(cells, domain)
-    has_cell = np.flatnonzero(np.diff(cells.offsets))
-    offsets, nodes = polygons.taken(cells.offsets, cells.nodes, has_cell)
-    number, nodes = polygons.numbered(nodes, len(cells.points))
-    return PolyhedralMesh(cells.points[number], offsets, nodes), has_cell
+    cells = voronoi_cells.planar_cells(vertices, triangulation.get("triangle"), len(sites), domain.tolerance)
+    cells = clipped(cells, domain, part_of(progress, 0.8, 1.0))
+    number, nodes = polygons.numbered(cells.nodes, len(cells.points))
+    return PolyhedralMesh(cells.points[number], cells.offsets, nodes), cells.owner, report.counts["duplicates"]
 
 
-def _spatial(sites: np.ndarray, domain: ConvexDomain, progress: Progress) -> tuple[PolyhedralMesh, np.ndarray]:
-    """The diagram in space, and which sites have a cell."""
+def _spatial(sites: np.ndarray, domain: ConvexDomain, progress: Progress) -> tuple[PolyhedralMesh, np.ndarray, int]:
+    """The diagram in space, which sites have a cell, and how many are at the place of an earlier one."""
     vertices = np.concatenate([sites, voronoi_cells.far_points(domain)])
-    tetrahedra = delaunay_3d(vertices, progress=part_of(progress, 0.0, 0.5)).mesh.get("tetra")
+    triangulation, report = delaunay_3d(vertices, progress=part_of(progress, 0.0, 0.5))
     advance(progress, 0.5, "joining circumcentres")
-    faces = voronoi_cells.spatial_cells(vertices, tetrahedra, len(sites), domain.tolerance)
-    advance(progress, 0.8, "clipping cells")
-    faces = clipped_faces(faces, domain)
+    faces = voronoi_cells.spatial_cells(vertices, triangulation.get("tetra"), len(sites), domain.tolerance)
+    faces = clipped(faces, domain, part_of(progress, 0.8, 1.0))
     has_cell = np.unique(np.concatenate([faces.owner, faces.neighbour[faces.neighbour >= 0]]))
     cell = np.full(len(sites) + 1, -1)
     cell[has_cell] = np.arange(len(has_cell))
     number, nodes = polygons.numbered(faces.nodes, len(faces.points))
     mesh = PolyhedralMesh(faces.points[number], faces.offsets, nodes, cell[faces.owner], cell[faces.neighbour])
-    return mesh, has_cell
+    return mesh, has_cell, report.counts["duplicates"]

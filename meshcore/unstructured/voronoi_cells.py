@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from ..geometry import predicates
 from ..mesh import polygons
 from ..mesh.topology import connected
 from . import _voronoi_kernels as kernels
-from .clipping import Faces, Rows
+from .clipping import Faces
 from .convex_domain import ConvexDomain
 
 GIVEN_UP = 1e-6
@@ -31,8 +32,16 @@ def far_points(domain: ConvexDomain) -> np.ndarray:
     return middle + reach * np.concatenate([-axes, axes])
 
 
-def planar_cells(vertices: np.ndarray, triangles: np.ndarray, n_sites: int, tolerance: float) -> Rows:
-    """The polygon of each site, empty for sites without triangles; far points follow the sites among the vertices."""
+class Rows(NamedTuple):
+    """Polygons in compressed rows on points of their own."""
+
+    points: np.ndarray
+    offsets: np.ndarray
+    nodes: np.ndarray
+
+
+def planar_cells(vertices: np.ndarray, triangles: np.ndarray, n_sites: int, tolerance: float) -> Faces:
+    """The polygon of each site that has triangles; far points follow the sites among the vertices."""
     centres = np.empty((len(triangles), 2))
     kernels.circumcentres_2d(vertices, triangles, centres, predicates.workspace())
     offsets, star = _stars(triangles, len(vertices))
@@ -43,7 +52,11 @@ def planar_cells(vertices: np.ndarray, triangles: np.ndarray, n_sites: int, tole
     def too_small(sizes: np.ndarray) -> np.ndarray:
         return (sizes < 3) & (np.diff(offsets) > 0)
 
-    return _welded(Rows(centres, offsets, nodes), tolerance, too_small)
+    rows = _welded(Rows(centres, offsets, nodes), tolerance, too_small)
+    owner = np.flatnonzero(np.diff(rows.offsets))
+    return Faces(
+        rows.points, np.append(rows.offsets[owner], len(rows.nodes)), rows.nodes, owner, np.full(len(owner), -1)
+    )
 
 
 def spatial_cells(vertices: np.ndarray, tetrahedra: np.ndarray, n_sites: int, tolerance: float) -> Faces:

@@ -19,6 +19,7 @@ from meshcore import (
     voronoi_3d,
 )
 from meshcore.mesh import polygons
+from meshcore.unstructured.convex_domain import within_loop, within_surface
 from meshcore.unstructured.voronoi_cells import circumcentres, exact_circumcentre
 from tests import naive, point_sets
 
@@ -260,6 +261,94 @@ def test_sites_on_the_box_have_cells():
     mesh, _ = voronoi_2d([[0, 0], [1, 0], [1, 1], [0, 1], [0.5, 0]], box=(0, 0, 1, 1))
     assert_fills(mesh, 1.0, 4.0)
     assert mesh.n_cells == 5
+
+
+def test_a_cell_lost_at_the_edge_is_no_duplicate():
+    sites = [
+        [2.061765254265412e-15, 6.367443734595952e-15, -1.3514540238473626e-15],
+        [-9.453470308440097e-15, -1.1930542297196728e-14, -4.034111874840963e-15],
+    ]
+    mesh, report = voronoi_3d([*sites, sites[0]], box=(0, 0, 0, 1, 1, 1))
+    assert_fills(mesh, 1.0, 6.0)
+    assert mesh.cell_data["site"].tolist() == [0]
+    assert (report.counts["duplicates"], report.counts["lost"], report.counts["outside"]) == (1, 1, 0)
+    assert [warning[:7] for warning in report.warnings] == ["1 sites"] * 2
+
+
+# ---- domains of many sides
+
+
+def ball(facets):
+    """Triangles of the convex hull of a spiral of points on a sphere, and its volume and area."""
+    share = (np.arange(facets // 2 + 2) + 0.5) / (facets // 2 + 2)
+    turn, height = np.pi * (1 + 5**0.5) * np.arange(len(share)), 1 - 2 * share
+    across = np.sqrt(1 - height**2)
+    hull = ConvexHull(np.column_stack([across * np.cos(turn), across * np.sin(turn), height]))
+    return Mesh(hull.points, {"triangle": hull.simplices.astype(np.int64)}), hull.volume, hull.area
+
+
+@pytest.mark.parametrize("sides, sites", [(10_000, 1), (10_000, 3), (10_000, 400), (500, 5000)])
+def test_loops_of_many_sides_are_filled(sides, sites):
+    angle = 2 * np.pi / sides
+    mesh, _ = voronoi_2d(RNG.uniform(-0.7, 0.7, (sites, 2)), gallery.circle(sides))
+    assert_fills(mesh, 0.5 * sides * np.sin(angle), 2 * sides * np.sin(angle / 2))
+    assert mesh.n_cells == sites
+
+
+@pytest.mark.parametrize("facets, sites", [(10_000, 1), (10_000, 20), (300, 1000)])
+def test_surfaces_of_many_facets_are_filled(facets, sites):
+    surface, volume, area = ball(facets)
+    mesh, _ = voronoi_3d(RNG.uniform(-0.5, 0.5, (sites, 3)), surface)
+    assert surface.n_cells == facets
+    assert_fills(mesh, volume, area)
+    assert mesh.n_cells == sites
+
+
+@pytest.mark.parametrize("make", [voronoi_2d, voronoi_3d])
+def test_cells_in_a_convex_domain_are_nearest_places(make):
+    dimension = 2 if make is voronoi_2d else 3
+    boundary = gallery.circle(40) if dimension == 2 else ball(60)[0]
+    sites = RNG.uniform(-0.5, 0.5, (30, dimension))
+    mesh, _ = make(sites, boundary)
+    samples = RNG.uniform(-0.5, 0.5, (4000, dimension))
+    nearest = cKDTree(sites).query(samples)[1]
+    for cell in range(mesh.n_cells):
+        np.testing.assert_array_equal(inside(mesh, cell, samples), nearest == mesh.cell_data["site"][cell])
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 10_000), st.integers(2, 3), st.sampled_from([0, 1, 1e4]))
+def test_the_first_plane_beyond_is_that_of_brute_force(seed, dimension, offset):
+    rng = np.random.default_rng(seed)
+    around = rng.normal(size=(int(rng.integers(4 * dimension, 200)), dimension)) * rng.choice([1, 0.01], dimension)
+    hull = ConvexHull(around / np.linalg.norm(around, axis=1)[:, None])
+    cells = {"line" if dimension == 2 else "triangle": hull.simplices.astype(np.int64)}
+    domain = (within_loop if dimension == 2 else within_surface)(Mesh(hull.points + offset, cells))
+    points = offset + 1.5 * rng.normal(size=(50, dimension))
+    after = rng.integers(-1, domain.n_planes, 50)
+    height = (points - domain.middle) @ domain.normals.T - domain.offsets
+    clear = (np.abs(height) > 1e-6).all(axis=1)
+    for least, found in (
+        (np.full(50, -1), domain.first_beyond(points)),
+        (after, domain.first_beyond(points, after=after)),
+    ):
+        beyond = (height > 0) & (np.arange(domain.n_planes) > least[:, None])
+        first = np.where(beyond.any(axis=1), beyond.argmax(axis=1), domain.n_planes)
+        np.testing.assert_array_equal(found[clear], first[clear])
+
+
+@pytest.mark.parametrize("make", [voronoi_2d, voronoi_3d])
+def test_clipping_can_be_cancelled_midway(make):
+    boundary = gallery.circle(3000) if make is voronoi_2d else ball(1000)[0]
+    told = []
+
+    def stop_late(fraction, message):
+        told.append(fraction)
+        return fraction < 0.9
+
+    with pytest.raises(Cancelled, match="clipping"):
+        make(RNG.uniform(-0.5, 0.5, (200, 2 if make is voronoi_2d else 3)), boundary, progress=stop_late)
+    assert told == sorted(told) and sum(fraction > 0.8 for fraction in told) > 2
 
 
 # ---- what does not matter
