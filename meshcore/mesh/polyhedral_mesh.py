@@ -12,6 +12,7 @@ import numpy as np
 from ..errors import InvalidGeometry, InvalidInput
 from . import polygons
 from .mesh import Mesh, checked_data, checked_points
+from .topology import distinct
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -163,7 +164,7 @@ class PolyhedralMesh:
         """(k, 2) int: each edge of all faces once, smaller point first, sorted."""
         pairs, _ = polygons.edges(self.face_offsets, self.face_nodes)
         count = max(self.n_points, 1)
-        key = np.unique(pairs.min(axis=1) * count + pairs.max(axis=1))
+        key = distinct(pairs.min(axis=1) * count + pairs.max(axis=1))
         return np.column_stack([key // count, key % count])
 
     @cached_property
@@ -175,7 +176,7 @@ class PolyhedralMesh:
             inner = self.neighbour >= 0
             pairs = np.column_stack([self.owner[inner], self.neighbour[inner]])
         count = max(self.n_cells, 1)
-        key = np.unique(pairs[:, 0] * count + pairs[:, 1])
+        key = distinct(pairs[:, 0] * count + pairs[:, 1])
         return np.column_stack([key // count, key % count])
 
     @cached_property

@@ -47,8 +47,22 @@ def edges(mesh: Mesh) -> np.ndarray:
         return np.empty((0, 2), np.int64)
     pairs = np.sort(np.concatenate(parts), axis=1)
     n = mesh.n_points
-    key = np.unique(pairs[:, 0] * n + pairs[:, 1])  # one number a pair sorts ten times faster than rows
+    key = distinct(pairs[:, 0] * n + pairs[:, 1])  # one number a pair sorts ten times faster than rows
     return np.column_stack([key // n, key % n])
+
+
+def distinct(values: np.ndarray) -> np.ndarray:
+    """(k,) sorted values without repeats; `numpy.unique` hashes them first, which is slower where most differ.
+
+    Examples
+    --------
+    >>> distinct(np.array([3, 1, 3]))
+    array([1, 3])
+    """
+    ordered = np.sort(values)
+    first = np.ones(len(ordered), bool)
+    np.not_equal(ordered[1:], ordered[:-1], out=first[1:])
+    return ordered[first]
 
 
 def edge_keys(nodes: np.ndarray, n_points: int) -> np.ndarray:

@@ -8,14 +8,12 @@ from ..errors import InvalidInput
 from ..geometry.plane import Plane
 from ..mesh import Mesh
 from ..sizing.background import background_field, checked_sizes, only_array
-from ..sizing.gradation import checked_gradation, limited, limited_field
+from ..sizing.gradation import checked_gradation, limited
 from ..sizing.on_curves import boundary_spacing
 from ..sizing.size_field import SizeField, evaluated, smallest
 from .constrained import ConstrainedTriangulation
 from .domain import Domain
-
-# Cells along the longer side of the grid on which the gradation of a callable is limited.
-_GRID = 128
+from .sampled_field import gradual
 
 
 class Sizing:
@@ -86,7 +84,7 @@ def sizing(
     if size_field is not None:
         names.append("size_field")
         if gradation is not None:
-            size_field = limited_field(size_field, _grid(triangulation, plane), gradation)
+            size_field = gradual(size_field, _carrier(plane, triangulation, domain), plane, gradation)
         fields.append(size_field)
     if background is not None:
         names.append("size_array" if size_array else "background")
@@ -132,16 +130,3 @@ def _painted(boundary: Mesh, name: str, triangulation: ConstrainedTriangulation)
     share = np.linalg.norm(part, axis=1) / np.linalg.norm(whole, axis=1)
     np.minimum.at(values, crossing, (1 - share) * sizes[ends[:, 0]] + share * sizes[ends[:, 1]])
     return values
-
-
-def _grid(triangulation: ConstrainedTriangulation, plane: Plane) -> Mesh:
-    """Triangles of equal size over the bounding box of the graph."""
-    low, high = triangulation.graph.points.min(axis=0), triangulation.graph.points.max(axis=0)
-    step = (high - low).max() / _GRID
-    nx, ny = (int(n) for n in np.maximum(np.ceil((high - low) / step), 1))
-    x, y = np.meshgrid(np.linspace(low[0], high[0], nx + 1), np.linspace(low[1], high[1], ny + 1), indexing="ij")
-    corner = (np.arange(nx)[:, None] * (ny + 1) + np.arange(ny)).ravel()
-    lower = np.column_stack([corner, corner + ny + 1, corner + ny + 2])
-    upper = np.column_stack([corner, corner + ny + 2, corner + 1])
-    points = plane.to_space(np.column_stack([x.ravel(), y.ravel()]))
-    return Mesh(points, {"triangle": np.concatenate([lower, upper])})

@@ -116,7 +116,8 @@ def delaunay_refinement(
     gradation : float, optional
         Sizes of the background, the boundary or the field grow no faster per unit length: 0.2 means triangles that are
         at most 1.2 times as large as their neighbours. With none of these given, the lengths of the boundary's lines
-        are the sizes.
+        are the sizes. A field is sampled at the boundary's points, at 128 places along the longer side, and about as
+        densely as triangles will be small; where it is small in a spot between samples only, sizes jump there.
     placement : {"automatic", "off-centre", "circumcentre", "lattice", "front"}
         Where the point goes that removes a triangle: at its off-centre, near enough to the shortest edge to make a
         triangle with just the angle asked for, which takes fewer points; or at its circumcentre, the worst triangle

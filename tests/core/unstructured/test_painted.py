@@ -114,6 +114,30 @@ def test_gradation_of_a_callable_holds_beside_what_it_asks_for():
     assert (longest_edges(mesh) <= 0.02 + 0.25 * (away + 2 / 128)).all()
 
 
+def test_gradation_resolves_small_features_of_a_callable():
+    centre = np.array([0.5123, 0.4377])
+
+    def steep(points):
+        return 0.0005 + 10 * np.linalg.norm(points[:, :2] - centre, axis=1)
+
+    mesh, _ = delaunay_refinement(gallery.square(), size_field=steep, gradation=0.3)
+    away = np.linalg.norm(mesh.centroids[:, :2] - centre, axis=1)
+    # Ways along the edges of a triangulation are up to 1.6 times longer than straight ones.
+    assert (longest_edges(mesh) <= 2 * 0.0005 + 1.6 * 0.3 * away).all()
+    assert longest_edges(mesh).max() > 0.05
+
+
+def test_a_callable_with_gradation_is_asked_in_the_domain_only():
+    def round_the_hole(points):
+        distance = np.linalg.norm(points[:, :2] - 0.5, axis=1)
+        assert (distance > 0.15).all() and (np.abs(points[:, :2] - 0.5) <= 0.5).all()
+        return 0.3 * distance
+
+    hole = gallery.circle(64, radius=0.2, centre=(0.5, 0.5))
+    mesh, _ = delaunay_refinement(gallery.joined(gallery.square(4), hole), size_field=round_the_hole, gradation=0.1)
+    assert (longest_edges(mesh) <= round_the_hole(mesh.centroids)).all()
+
+
 def test_gradation_alone_takes_the_spacing_of_the_boundary():
     hole = gallery.circle(64, radius=0.05, centre=(0.5, 0.5))
     mesh, _ = delaunay_refinement(gallery.joined(gallery.square(4), hole), gradation=0.3)
