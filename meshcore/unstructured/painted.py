@@ -7,6 +7,7 @@ import numpy as np
 from ..errors import InvalidInput
 from ..geometry.plane import Plane
 from ..mesh import Mesh
+from ..progress import Progress, silent
 from ..sizing.background import background_field, checked_sizes, only_array
 from ..sizing.gradation import checked_gradation, limited
 from ..sizing.on_curves import boundary_spacing
@@ -59,6 +60,7 @@ def sizing(
     plane: Plane,
     triangulation: ConstrainedTriangulation,
     domain: Domain,
+    progress: Progress = silent,
 ) -> Sizing | None:
     """The size field that the arguments of `delaunay_refinement` ask for; None if they ask for none.
 
@@ -72,6 +74,8 @@ def sizing(
         Of the boundary, not refined yet.
     domain : Domain
         Which of its faces are meshed.
+    progress : Progress
+        Looked at for cancellation.
 
     Raises
     ------
@@ -84,7 +88,7 @@ def sizing(
     if size_field is not None:
         names.append("size_field")
         if gradation is not None:
-            size_field = gradual(size_field, _carrier(plane, triangulation, domain), plane, gradation)
+            size_field = gradual(size_field, _carrier(plane, triangulation, domain), plane, gradation, progress)
         fields.append(size_field)
     if background is not None:
         names.append("size_array" if size_array else "background")

@@ -191,7 +191,9 @@ def delaunay_refinement(
         graph, split_crossings=crossings == "split", parameter="boundary", progress=part_of(progress, 0.0, 0.2)
     )
     parts = domain(mesh, marks, np.inf if max_area is None else max_area)
-    sizes = sizing(boundary, background, size_array, gradation, size_field, plane, mesh, parts)
+    sizes = sizing(
+        boundary, background, size_array, gradation, size_field, plane, mesh, parts, part_of(progress, 0.2, 1.0)
+    )
     length = np.inf if size is None else absolute(size, float(np.linalg.norm(np.ptp(used, axis=0))))
     lattice = None
     why_not = _no_lattice(min_angle, sizes is not None, split_boundary)

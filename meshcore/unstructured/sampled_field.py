@@ -7,6 +7,7 @@ import numpy as np
 from ..geometry.location import Locator
 from ..geometry.plane import Plane
 from ..mesh import Mesh
+from ..progress import Progress, advance, silent
 from ..sizing.background import background_field
 from ..sizing.gradation import limited
 from ..sizing.size_field import SizeField, evaluated
@@ -17,7 +18,9 @@ _ALONG = 128
 _MOST = 1_000_000
 
 
-def gradual(size_field: SizeField, carrier: Mesh, plane: Plane, gradation: float) -> SizeField:
+def gradual(
+    size_field: SizeField, carrier: Mesh, plane: Plane, gradation: float, progress: Progress = silent
+) -> SizeField:
     """A size field that grows no faster than ``gradation``, as far as samples tell.
 
     They begin as the corners of the domain and an even lattice in it. Edges between samples are halved where triangles
@@ -34,6 +37,8 @@ def gradual(size_field: SizeField, carrier: Mesh, plane: Plane, gradation: float
         That they lie in.
     gradation : float
         Largest growth of the size per unit length.
+    progress : Progress
+        Is told when there are more samples, with fraction 0.
 
     Raises
     ------
@@ -53,6 +58,7 @@ def gradual(size_field: SizeField, carrier: Mesh, plane: Plane, gradation: float
     places = np.concatenate([corners, within(_lattice(corners))])
     points, sizes = sampled(places)
     while True:
+        advance(progress, 0.0, "limiting the gradation")
         mesh = Mesh(points, {"triangle": delaunay_2d(places).mesh.get("triangle")})
         slow = limited(mesh, sizes, gradation)
         long = _too_long(mesh.edges, places, sizes, slow)

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from meshcore import InvalidGeometry, InvalidInput, Mesh, delaunay_refinement, gallery
+from meshcore import Cancelled, InvalidGeometry, InvalidInput, Mesh, delaunay_refinement, gallery
 from meshcore.geometry.curves import lines_through
 from meshcore.sizing.background import background_field
 from meshcore.sizing.gradation import limited
+from meshcore.sizing.size_field import constant
 
 BIG = Mesh([[-1, -1], [4, -1], [-1, 4]], {"triangle": [[0, 1, 2]]}, {"h": np.array([0.02, 0.27, 0.02])})
 
@@ -136,6 +137,13 @@ def test_a_callable_with_gradation_is_asked_in_the_domain_only():
     hole = gallery.circle(64, radius=0.2, centre=(0.5, 0.5))
     mesh, _ = delaunay_refinement(gallery.joined(gallery.square(4), hole), size_field=round_the_hole, gradation=0.1)
     assert (longest_edges(mesh) <= round_the_hole(mesh.centroids)).all()
+
+
+def test_limiting_the_gradation_of_a_callable_can_be_cancelled():
+    with pytest.raises(Cancelled, match="limiting the gradation"):
+        delaunay_refinement(
+            gallery.square(), size_field=constant(0.1), gradation=0.2, progress=lambda _, what: "gradation" not in what
+        )
 
 
 def test_gradation_alone_takes_the_spacing_of_the_boundary():
