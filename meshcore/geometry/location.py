@@ -233,9 +233,12 @@ def checked_points(points: Any, parameter: str = "points") -> np.ndarray:
     array([[1., 2., 0.]])
     """
     try:
-        points = np.asarray(points, dtype=np.float64)
+        given = np.asarray(points)
+        points = given.astype(np.float64, copy=False) if given.dtype.kind != "c" else None
     except (TypeError, ValueError):
-        raise InvalidInput("needs numbers, as an (m, 3) array", parameter=parameter) from None
+        points = None
+    if points is None:
+        raise InvalidInput("needs real numbers, as an (m, 3) array", parameter=parameter)
     if points.size == 0:
         return np.empty((0, 3))
     if points.ndim != 2 or points.shape[1] not in (2, 3):

@@ -210,9 +210,12 @@ class Mesh:
 def checked_points(points: Any) -> np.ndarray:
     """(n, 3) float: finite coordinates, planar ones with z = 0; or `InvalidInput`, `InvalidGeometry`."""
     try:
-        points = np.ascontiguousarray(points, dtype=np.float64)
+        given = np.asarray(points)
+        points = np.ascontiguousarray(given, dtype=np.float64) if given.dtype.kind != "c" else None
     except (TypeError, ValueError):
-        raise InvalidInput("needs numbers, as an (n, 3) array", parameter="points") from None
+        points = None
+    if points is None:
+        raise InvalidInput("needs real numbers, as an (n, 3) array", parameter="points")
     if points.size == 0:
         points = np.empty((0, 3))
     if points.ndim != 2 or points.shape[1] not in (2, 3):

@@ -26,6 +26,8 @@ _MAX_SAMPLES = 1_000_000
 # Sampling is refined until the number of cells that it tells changes by no more than this share.
 _TOLERANCE = 1e-5
 _DEFAULT_SHARE = 0.05
+# Lengths of curves with larger coordinates could leave the doubles.
+_FARTHEST = 1e300
 
 
 @operation("Discretised Curve", category="Unstructured")
@@ -120,7 +122,12 @@ def discretised(
     if callable(size_field) and gradation is not None:
         gradation = checked_gradation(gradation)
     mesh, stretches = _read(curve, corner_angle, shape)
-    extent = np.ptp(np.concatenate([s.curve.points(s.samples(2 if mesh else 64)) for s in stretches]), axis=0)
+    seen = np.concatenate([s.curve.points(s.samples(2 if mesh else 64)) for s in stretches])
+    if np.abs(seen).max() > _FARTHEST:
+        raise InvalidGeometry(
+            f"has coordinates up to {np.abs(seen).max():g}; scale them to below {_FARTHEST:g}", parameter="curve"
+        )
+    extent = np.ptp(seen, axis=0)
     diagonal = float(extent.max() * np.linalg.norm(extent / extent.max()))
     if size is None and size_field is None and background is None and not size_array:
         size = _DEFAULT_SHARE * diagonal
@@ -132,7 +139,7 @@ def discretised(
     nodes = [_nodes(*sample, count) for sample, count in zip(samples, counts, strict=True)]
     result = _assembled(mesh, stretches, nodes)
     sides = result.points[result.cells["line"]]
-    length = np.linalg.norm(sides[:, 1] - sides[:, 0], axis=1)
+    length = _norms(sides[:, 1] - sides[:, 0])
     corners = len({int(c) for s in stretches for c in s.corners if c >= 0})
     report = Report(
         counts={"points": result.n_points, "lines": result.n_cells, "corners": corners},
@@ -252,7 +259,8 @@ def _sampled(
             )
         steady = before is not None and np.abs(totals - before).max() <= _TOLERANCE * max(totals.max(), 1.0)
         dense = all(len(t) > 4 * total for t, total in zip(at, totals, strict=True))
-        if (steady and dense) or 2 * len(points) > max(_MAX_SAMPLES, 8 * totals.sum()):
+        many = 2 * len(points) > _MAX_SAMPLES
+        if (steady and (dense or many)) or (many and 2 * len(points) > min(8 * totals.sum(), 16 * _MAX_SAMPLES)):
             return found
         before = totals
 
@@ -263,17 +271,24 @@ def _integrals(at, points, sizes, metrics):
     for t in at:
         here = slice(start, start + len(t))
         start += len(t)
-        step = np.diff(points[here], axis=0)
-        scale = float(np.abs(step).max(initial=0.0)) or 1.0
-        length = scale * np.linalg.norm(step / scale, axis=1)
-        rate = 1 / sizes[here]
-        part = 0.5 * (rate[1:] + rate[:-1]) * length
+        length = _norms(np.diff(points[here], axis=0))
+        least = float(sizes[here].min())
+        unit = least if least < np.inf else 1.0  # 1 / size of less than 1e-308 would overflow
+        rate = unit / sizes[here]
+        with np.errstate(over="ignore"):  # that many lines are refused
+            part = 0.5 * (rate[1:] + rate[:-1]) * (length / unit)
         if metrics is not None:
             m = metrics[here]
             part = np.maximum(part, lengths_in_metric(points[here][:-1], points[here][1:], m[:-1], m[1:]))
             rate = np.zeros(len(t))  # the length in the metric is taken as linear between samples
         found.append((t, np.concatenate([[0.0], np.cumsum(part)]), rate))
     return found
+
+
+def _norms(vectors: np.ndarray) -> np.ndarray:
+    """(n,) lengths of vectors whose squares may leave the doubles."""
+    scale = float(np.abs(vectors).max(initial=0.0)) or 1.0
+    return scale * np.linalg.norm(vectors / scale, axis=1)
 
 
 def _counts(stretches: list[Stretch], totals: list[float]) -> list[int]:

@@ -28,7 +28,10 @@ def answered(size_field: SizeField, points: np.ndarray, parameter: str = "size_f
     array([1., 2.])
     """
     try:
-        return np.asarray(size_field(points), dtype=np.float64)
+        answer = np.asarray(size_field(points))
+        if answer.dtype.kind == "c":
+            raise TypeError("it returned complex numbers")
+        return answer.astype(np.float64, copy=False)
     except (TypeError, ValueError) as error:
         raise InvalidInput(f"failed on an (m, 3) array of points: {error}", parameter=parameter) from error
 

@@ -33,7 +33,7 @@ def areas_kept(xy, origin, n_triangles, face, keep, area_limit):
 
 @kernel
 def sharp_end(xy, origin, e):
-    """For a needle with the longest edge e, whether its tip is where e starts (0) or ends (1); -1 for others.
+    """For a needle with the longest edge e, up to rounding, whether its tip is where e starts (0) or ends (1); else -1.
 
     The second answer is the longer of its other edges, the third the length of e, the fourth the height over it.
     """
@@ -49,7 +49,7 @@ def sharp_end(xy, origin, e):
     whole = math.sqrt(ux * ux + uy * uy)
     to_a = math.sqrt(vx * vx + vy * vy)
     to_b = math.sqrt((vx - ux) ** 2 + (vy - uy) ** 2)
-    if whole < max(to_a, to_b) or whole < _NEEDLE * min(to_a, to_b):
+    if (1.0 + 1e-9) * whole < max(to_a, to_b) or whole < _NEEDLE * min(to_a, to_b):
         return -1, e, whole, 0.0
     height = (ux * vy - uy * vx) / whole
     return (0, before, whole, height) if to_a > to_b else (1, after, whole, height)

@@ -14,6 +14,7 @@ from ..sizing.on_curves import boundary_spacing
 from ..sizing.size_field import SizeField, evaluated, smallest
 from .constrained import ConstrainedTriangulation
 from .domain import Domain
+from .refiner import TooMany
 from .sampled_field import gradual
 
 
@@ -44,7 +45,7 @@ class Sizing:
 
     def explained(self, error: InvalidInput) -> InvalidInput:
         """The error of too many triangles, with the place of the smallest size."""
-        if error.parameter != "size_field":
+        if not isinstance(error, TooMany) or error.parameter != "size_field":
             return error
         place = ", ".join(f"{x:.6g}" for x in self._place)
         text = str(error).removeprefix("size_field: ")

@@ -364,9 +364,13 @@ def expected_triangles(mesh: ConstrainedTriangulation, domain: Domain, size: flo
     return estimate
 
 
-def too_many(estimate: float, parameter: str) -> InvalidInput:
+class TooMany(InvalidInput):
+    """Limits would fill the memory."""
+
+
+def too_many(estimate: float, parameter: str) -> TooMany:
     """The error for limits that would fill the memory."""
-    return InvalidInput(
+    return TooMany(
         f"would make about {estimate:.2g} triangles; at most {MAX_TRIANGLES:,} are allowed, so make it larger",
         parameter=parameter,
     )

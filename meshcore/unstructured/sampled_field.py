@@ -12,6 +12,7 @@ from ..sizing.background import background_field
 from ..sizing.gradation import limited
 from ..sizing.size_field import SizeField, evaluated
 from .delaunay import delaunay_2d
+from .refiner import MAX_TRIANGLES
 
 # Samples along the longer side of the domain, before there are more where sizes are small.
 _ALONG = 128
@@ -59,9 +60,14 @@ def gradual(
     points, sizes = sampled(places)
     while True:
         advance(progress, 0.0, "limiting the gradation")
-        mesh = Mesh(points, {"triangle": delaunay_2d(places).mesh.get("triangle")})
+        triangles = delaunay_2d(places).mesh.get("triangle")
+        mesh = Mesh(points, {"triangle": triangles})
         slow = limited(mesh, sizes, gradation)
         long = _too_long(mesh.edges, places, sizes, slow)
+        if (
+            _triangles(places[triangles], slow[triangles]) > MAX_TRIANGLES
+        ):  # which is refused, by the sizes known so far
+            break
         new = within(0.5 * (places[long[:, 0]] + places[long[:, 1]]))
         if not len(new) or len(places) + len(new) > _MOST:
             break
@@ -83,6 +89,13 @@ def _too_long(ends: np.ndarray, places: np.ndarray, sizes: np.ndarray, slow: np.
     least = slow[ends].min(axis=1)
     steep = steepest[ends].max(axis=1) * length > least
     return ends[(length > 2 * least) | (steep & (length > least / 16))]
+
+
+def _triangles(corners: np.ndarray, sizes: np.ndarray) -> float:
+    """Roughly how many triangles cover (m, 3, 2) corners of larger ones, with (m, 3) sizes there; rather too few."""
+    (ax, ay), (bx, by) = (corners[:, 1] - corners[:, 0]).T, (corners[:, 2] - corners[:, 0]).T
+    with np.errstate(over="ignore", divide="ignore"):
+        return float((0.5 * np.abs(ax * by - ay * bx) / sizes.mean(axis=1) ** 2).sum())
 
 
 def _lattice(corners: np.ndarray) -> np.ndarray:

@@ -180,7 +180,8 @@ def test_many_and_few_queries_agree():
         ("a file", [[0, 0]], "needs a Mesh, got str"),
         (gallery.triangulated_square(), [[0, np.nan]], "point 0 is .0.0, nan."),
         (gallery.triangulated_square(), [[0, 1, 2, 3]], r"needs shape \(m, 2\) or \(m, 3\)"),
-        (gallery.triangulated_square(), [["a", "b"]], "needs numbers"),
+        (gallery.triangulated_square(), [["a", "b"]], "needs real numbers"),
+        (gallery.triangulated_square(), [[1, 2j]], "needs real numbers"),
     ],
 )
 def test_bad_input_is_named(mesh, points, message):

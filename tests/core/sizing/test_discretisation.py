@@ -193,13 +193,15 @@ def test_a_metric_measures_each_line_as_one():
         discretised(gallery.square(), size_field=field, gradation=0.2)
 
 
-@pytest.mark.parametrize("scale", [1e-200, 1e-30, 1e150])
+@pytest.mark.parametrize("scale", [1e-310, 1e-200, 1e-30, 1e150, 1e299])
 def test_the_unit_does_not_matter(scale):
     shape = gallery.l_shape(3)
-    usual = discretised(shape, size=0.07)[0]
-    scaled = discretised(shape.with_points(scale * shape.points), size=0.07 * scale)[0]
+    usual, report = discretised(shape, size=0.07)
+    scaled, of_scaled = discretised(shape.with_points(scale * shape.points), size=0.07 * scale)
     assert (scaled.get("line") == usual.get("line")).all()
     assert np.allclose(scaled.points / scale, usual.points, atol=1e-9)
+    for name, length in report.quality.items():
+        assert of_scaled.quality[name] / scale == pytest.approx(length)
 
 
 def test_repeated_points_and_lines_are_passed_over():
@@ -210,14 +212,29 @@ def test_repeated_points_and_lines_are_passed_over():
     assert from_array.n_cells == 2 + 2 + 3
 
 
+def test_many_lines_of_one_length_take_few_samples():
+    asked = []
+
+    def field(points):
+        asked.append(len(points))
+        return np.full(len(points), 2e-6)
+
+    mesh, _ = discretised(Mesh([[0, 0], [1, 0]], {"line": [[0, 1]]}), size_field=field)
+    assert mesh.n_cells == 500_000
+    assert max(asked) < 2 * mesh.n_cells
+
+
 @pytest.mark.parametrize(
     "curve, keywords, message",
     [
         (Mesh([[0, 0], [1, 1]], {}), {}, "no lines of any length"),
         (Mesh([[0, 0], [0, 0]], {"line": [[0, 1]]}), {}, "no lines of any length"),
         (gallery.square(), {"size": 1e-12}, r"about 4e\+12 lines; .* smallest size is 1e-12, at \("),
+        (gallery.square().with_points(gallery.square().points * 1e308), {}, r"up to 1e\+308; scale them to below"),
         (gallery.square(), {"size_array": "h"}, "no point array 'h'"),
         (gallery.square(), {"size_field": lambda p: p[:, 0]}, r"size_field: is 0 at \(0, 0, 0\)"),
+        (gallery.square(), {"size_field": lambda p: 1j + p[:, 0]}, "size_field: failed on .*: it returned complex"),
+        (gallery.square(), {"size_field": lambda p: np.full(len(p), 1e-320)}, "would make about inf lines"),
         (gallery.square(), {"size_field": lambda p: 1 / 0 if len(p) > 9 else p}, "division"),
         (gallery.square().with_point_data(h=np.array([1, 1, np.nan, 1])), {"size_array": "h"}, "is nan at point 2"),
         (gallery.square(), {"gradation": 0.0}, "gradation: must be finite and greater"),

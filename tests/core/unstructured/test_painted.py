@@ -139,6 +139,25 @@ def test_a_callable_with_gradation_is_asked_in_the_domain_only():
     assert (longest_edges(mesh) <= round_the_hole(mesh.centroids)).all()
 
 
+def test_the_smallest_size_explains_too_many_triangles_only():
+    with pytest.raises(InvalidInput, match=r"is nan at \(.*greater than zero$"):
+        delaunay_refinement(gallery.square(), size_field=lambda p: np.where(p[:, 0] > 0.9, np.nan, 0.05))
+    with pytest.raises(InvalidInput, match=r"not callable$"):
+        delaunay_refinement(gallery.square(), size_field=0.1)
+
+
+def test_sizes_that_are_refused_are_not_sampled_finely_first():
+    asked = []
+
+    def field(points):
+        asked.append(len(points))
+        return np.full(len(points), 1e-7)
+
+    with pytest.raises(InvalidInput, match=r"size_field: would make about"):
+        delaunay_refinement(gallery.square(), size_field=field, gradation=0.2)
+    assert sum(asked) < 50_000
+
+
 def test_limiting_the_gradation_of_a_callable_can_be_cancelled():
     with pytest.raises(Cancelled, match="limiting the gradation"):
         delaunay_refinement(

@@ -400,6 +400,11 @@ def test_two_tags_in_one_region_are_told():
     assert not delaunay_refinement(square(), regions=[[0.2, 0.3, 2], [0.7, 0.8, 2]]).report.warnings
 
 
+def test_a_thin_domain_is_refused_by_a_front_whose_divided_lines_are_all_of_one_length_up_to_rounding():
+    with pytest.raises(InvalidInput, match=r"min_angle: 30 would make about .* only 1 wide"):
+        delaunay_refinement(square().transformed(np.diag([1e9, 1.0, 1, 1])), placement="front", size="5%")
+
+
 @pytest.mark.parametrize("height", [1e-9, 1e-12])
 @pytest.mark.parametrize("keywords", [{}, {"max_area": 1.0}, {"placement": "circumcentre"}])
 def test_a_domain_too_thin_for_its_angle_is_refused_at_once(height, keywords):
