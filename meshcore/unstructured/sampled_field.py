@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ..geometry.location import Locator
 from ..geometry.plane import Plane
@@ -68,7 +69,7 @@ def gradual(
             _triangles(places[triangles], slow[triangles]) > MAX_TRIANGLES
         ):  # which is refused, by the sizes known so far
             break
-        new = within(0.5 * (places[long[:, 0]] + places[long[:, 1]]))
+        new = within(_new_middles(places, long))
         if not len(new) or len(places) + len(new) > _MOST:
             break
         more, at_more = sampled(new)
@@ -83,12 +84,19 @@ def _too_long(ends: np.ndarray, places: np.ndarray, sizes: np.ndarray, slow: np.
     It may by the steepest slope at the ends. As steps stay steep, this holds down to a 16th of the size.
     """
     length = np.linalg.norm(places[ends[:, 1]] - places[ends[:, 0]], axis=1)
+    least = slow[ends].min(axis=1)
+    ends, length, least = (values[length > least / 16] for values in (ends, length, least))
     steepest = np.zeros(len(places))
     slope = np.abs(sizes[ends[:, 1]] - sizes[ends[:, 0]]) / length
     np.maximum.at(steepest, ends.ravel(), np.repeat(slope, 2))
-    least = slow[ends].min(axis=1)
-    steep = steepest[ends].max(axis=1) * length > least
-    return ends[(length > 2 * least) | (steep & (length > least / 16))]
+    return ends[(length > 2 * least) | (steepest[ends].max(axis=1) * length > least)]
+
+
+def _new_middles(places: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """(k, 2) float: the middles of edges that are not near a sample already, as those along a straight outline are."""
+    a, b = places[ends[:, 0]], places[ends[:, 1]]
+    middle = 0.5 * (a + b)
+    return middle[cKDTree(places).query(middle)[0] > np.linalg.norm(b - a, axis=1) / 8]
 
 
 def _triangles(corners: np.ndarray, sizes: np.ndarray) -> float:
