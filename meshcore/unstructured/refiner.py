@@ -112,9 +112,8 @@ class Refiner:
         if self.has_angle and split_boundary:
             self.estimate += self._between_near_lines(min_angle)
         self._allocate()
-        if not split_boundary:
-            flags = self.origin[3::4]
-            flags |= (flags & half_edges.CONSTRAINED) << 4
+        self.split_boundary = split_boundary
+        self._keep_lines()
         expected = int(_RESERVE * min(self.estimate, _MOST_RESERVED))
         self.reserve(max(len(mesh.triangulation.order), expected // 2) + 1024, max(len(self.face), expected) + 1024)
 
@@ -150,6 +149,13 @@ class Refiner:
         self.state[kernels.TRIANGLES] = mesh.n_triangles
         self.state[kernels.VERTICES] = n
         self.state[kernels.FREE] = self.n_free
+
+    def _keep_lines(self) -> None:
+        """Mark lines as not to be split if they may not be; forget what else was marked so."""
+        flags = self.origin[3::4]
+        flags &= ~(half_edges.CONSTRAINED << 4)
+        if not self.split_boundary:
+            flags |= (flags & half_edges.CONSTRAINED) << 4
 
     def _between_near_lines(self, min_angle: float) -> float:
         """Triangles that the angle alone will make where the domain is narrow; raises if that is absurd."""
@@ -237,6 +243,7 @@ class Refiner:
             is_delaunay=True,
         )
         smooth_in_place(mesh, rounds, part_of(self.progress, 0.95, 0.97))
+        self._keep_lines()  # edges that were flipped have new marks
         self.forget_sizes()
 
     def forget_sizes(self) -> None:

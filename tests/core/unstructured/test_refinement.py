@@ -244,6 +244,17 @@ def test_a_boundary_that_may_not_be_split_stays(name, placement, limits):
         assert not report.converged and told >= thin and "may not be split" in report.warnings[0]
 
 
+@pytest.mark.parametrize("rounds", [1, 3])
+def test_smoothing_lets_no_line_be_split_that_may_not(rounds):
+    star = [(4.02, 7.03), (2.86, 5.55), (1.47, 0.17), (3.66, 1.8), (5.31, 2.78), (7.56, 2.71), (5.86, 3.52)]
+    star += [(7.56, 4.81), (5.13, 7.32)]
+    mesh, report = delaunay_refinement(
+        loops(star), min_angle=0, max_area=0.05, smoothing=rounds, split_boundary=False, placement="off-centre"
+    )
+    assert report.counts["points added on lines"] == 0
+    assert mesh.boundary.n_cells == len(star)
+
+
 def test_spikes_that_may_not_be_split_end():
     half = np.radians(1e-3) / 2
     boundary = loops([(0, 0), (np.cos(half), -np.sin(half)), (1.0, 0.1), (np.cos(half), np.sin(half))])
