@@ -14,6 +14,9 @@ from . import files, flags, terminal
 Inputs = dict[str, Any]
 """What was read from files by the names of the inputs, so that an error can tell where it lies."""
 
+NO_FILE = "-"
+"""In the place of an input that may be left out."""
+
 Run = Callable[[argparse.Namespace, Inputs], "int | None"]
 
 
@@ -40,7 +43,9 @@ def add_operation(subparsers: Any, operation: Operation) -> None:
     command = add_command(subparsers, name, run_operation, operation.summary, flags.example(operation))
     command.set_defaults(operation=operation)
     for port in operation.inputs.values():
-        help = flags.escaped(port.description) + (" (may be left out)" if port.optional else "")
+        last = port.name == list(operation.inputs)[-1]
+        left_out = " (may be left out)" if last else f" (may be left out; {NO_FILE} in its place where others follow)"
+        help = flags.escaped(port.description) + (left_out if port.optional else "")
         command.add_argument(port.name, type=Path, nargs="?" if port.optional else None, help=help)
     command.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="where the mesh goes")
     command.add_argument("--picture", type=Path, metavar="PNG", help="draw the mesh, too")
@@ -77,7 +82,8 @@ def run_operation(arguments: argparse.Namespace, inputs: Inputs) -> None:
     """Read, call, write, draw, report."""
     operation: Operation = arguments.operation
     values = flags.values(arguments, operation)
-    paths = {name: getattr(arguments, name) for name in operation.inputs if getattr(arguments, name) is not None}
+    paths = {name: getattr(arguments, name) for name in operation.inputs}
+    paths = {name: path for name, path in paths.items() if path not in (None, Path(NO_FILE))}
     files.check_names([arguments.output, arguments.picture], paths.values())
     files.check_mesh_file(arguments.output, operation.output)
     files.check_picture_file(arguments.picture)

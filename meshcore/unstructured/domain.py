@@ -123,7 +123,7 @@ def _rows(name: str, values: Any, widths: tuple[int, ...]) -> np.ndarray:
     try:
         rows = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):
-        raise InvalidInput(f"needs numbers, as a (k, {widths[-1]}) array", parameter=name) from None
+        raise InvalidInput(f"needs numbers, as a (k, {widths[-1]}) array: rows of one length", parameter=name) from None
     if rows.size == 0:
         return np.empty((0, widths[0]))
     if rows.ndim != 2 or rows.shape[1] not in widths:

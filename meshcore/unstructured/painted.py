@@ -101,7 +101,7 @@ def sizing(
         names.append("size_array" if size_array else "gradation")
         carrier, graph = _carrier(plane, triangulation, domain), triangulation.graph
         sizes = (
-            _painted(boundary, size_array, triangulation)
+            _painted(boundary, size_array, plane, triangulation)
             if size_array
             else boundary_spacing(Mesh(graph.points, {"line": graph.segments}))
         )
@@ -119,7 +119,7 @@ def _carrier(plane: Plane, triangulation: ConstrainedTriangulation, domain: Doma
     return Mesh(plane.to_space(triangulation.graph.points), {"triangle": cells})
 
 
-def _painted(boundary: Mesh, name: str, triangulation: ConstrainedTriangulation) -> np.ndarray:
+def _painted(boundary: Mesh, name: str, plane: Plane, triangulation: ConstrainedTriangulation) -> np.ndarray:
     """(n,) sizes at the points of the graph: the boundary's, and at crossings of lines those between its ends."""
     sizes = checked_sizes(boundary, name, "size_array")
     graph = triangulation.graph
@@ -128,10 +128,9 @@ def _painted(boundary: Mesh, name: str, triangulation: ConstrainedTriangulation)
     crossing = graph.segments[segment, end]
     first = next(where.start for kind, _, where in boundary.blocks() if kind == "line")
     ends = boundary.get("line")[graph.line[segment] - first]
-    at = np.full(boundary.n_points, -1)
-    at[graph.source[graph.source >= 0]] = np.flatnonzero(graph.source >= 0)
-    whole = graph.points[at[ends[:, 1]]] - graph.points[at[ends[:, 0]]]
-    part = graph.points[crossing] - graph.points[at[ends[:, 0]]]
+    places = plane.to_plane(boundary.points)  # ends may be merged with others in the graph
+    whole = places[ends[:, 1]] - places[ends[:, 0]]
+    part = graph.points[crossing] - places[ends[:, 0]]
     share = np.linalg.norm(part, axis=1) / np.linalg.norm(whole, axis=1)
     np.minimum.at(values, crossing, (1 - share) * sizes[ends[:, 0]] + share * sizes[ends[:, 1]])
     return values

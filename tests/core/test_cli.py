@@ -140,6 +140,15 @@ def test_sizes_of_a_second_file_or_of_the_first_reach_the_operation(loop, tmp_pa
     assert code == 1 and "no point array 'heat'; there are: h" in err
 
 
+def test_an_input_between_others_may_be_left_out(tmp_path, call):
+    mc.io.write(tmp_path / "boundary.vtp", gallery.square_with_hole())
+    mc.io.write(tmp_path / "seeds.vtp", mc.Mesh([[0.5, 0.5]], {"vertex": [[0]]}, {"tag": [7]}))
+    words = ["delaunay-refinement", tmp_path / "boundary.vtp", "-", tmp_path / "seeds.vtp", "-o", tmp_path / "out.vtu"]
+    assert call(*words)[0] == 0
+    assert 7 in mc.io.read(tmp_path / "out.vtu").cell_data["region"]
+    assert "; - in its place where others follow" in " ".join(call("delaunay-refinement", "--help")[1].split())
+
+
 def test_holes_of_a_poly_file_reach_the_operation(tmp_path, call):
     """A point between the outline and an inner square empties what the even-odd rule alone would fill."""
     outline = gallery.joined(gallery.square(), gallery.square(size=0.25))

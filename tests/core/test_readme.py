@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+import numpy as np
+
 import meshcore
 from meshcore import gallery
 
@@ -31,14 +33,18 @@ def test_the_table_of_operations_is_up_to_date():
     assert with_tables(text) == text
 
 
-def test_the_python_example_runs_as_it_stands(tmp_path, monkeypatch, capsys):
-    (example,) = re.findall(r"```python\n(.*?)```", README.read_text(), flags=re.S)
+def test_the_python_examples_run_as_they_stand(tmp_path, monkeypatch, capsys):
+    examples = re.findall(r"```python\n(.*?)```", README.read_text(), flags=re.S)
     monkeypatch.chdir(tmp_path)
     meshcore.io.write("rae2822.dat", gallery.airfoil("rae2822"))
     names = {}
-    exec(example, names)
+    exec("\n".join(examples), names)
     assert names["finer"].n_cells > names["mesh"].n_cells
     assert meshcore.io.read("section.vtu").n_cells == names["mesh"].n_cells
+    region, corners = names["tagged"].cell_data["region"], names["tagged"].points[names["tagged"].get("triangle")]
+    areas = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2]
+    assert set(region) == {7, 8} and areas[region == 7].max() <= 1e-3 < areas[region == 8].max()
+    assert len(names["fine"].cells["triangle"]) > len(names["exact"].cells["triangle"])
     assert "Delaunay Refinement" in capsys.readouterr().out
 
 

@@ -194,6 +194,15 @@ def test_where_lines_cross_sizes_lie_between_those_of_their_ends():
     assert longest_edges(mesh)[middle].max() < 0.06
 
 
+def test_where_lines_with_merged_ends_cross_sizes_lie_between_those_of_their_ends():
+    lines = [[[0, 0], [1, 0]], [[1, 0], [1, 1]], [[1, 1], [0, 1]], [[0, 1], [0, 0]], [[0, 0], [1, 1]], [[1, 0], [0, 1]]]
+    apart = Mesh(np.reshape(lines, (-1, 2)), {"line": np.arange(12).reshape(-1, 2)}, {"h": np.full(12, 0.2)})
+    apart = apart.with_point_data(h=np.where(np.arange(12) >= 8, 0.02, 0.2))
+    mesh, _ = delaunay_refinement(apart, size_array="h", crossings="split")
+    middle = np.abs(mesh.centroids[:, :2] - 0.5).max(axis=1) < 0.05
+    assert longest_edges(mesh)[middle].max() < 0.06
+
+
 @pytest.mark.parametrize(
     "sizes, message",
     [
