@@ -131,6 +131,8 @@ def insert_points(
             deferred += 1
             if same >= 0:
                 order[U(p)] = ~same
+            else:  # the next walk goes on from here, in the triangle before the one that others own
+                start = int(twin[U(e)])
             entry += 1
             continue
         # Dig: depth first, which meets the edges of the cavity in counter-clockwise order.

@@ -6,11 +6,12 @@ from typing import Annotated
 
 import numpy as np
 
+from ..geometry import predicates
 from ..mesh import Mesh
 from ..operation import Port, operation
 from ..progress import Progress, silent
 from ..report import Report, Result
-from .triangulation import Triangulation, canonical_cells
+from .triangulation import canonical_cells, planar_points, triangulated
 
 _MERGED_TO_NAME = 5
 
@@ -62,9 +63,10 @@ def delaunay_2d(
     >>> mesh
     Mesh(5 points, 4 triangle)
     """
-    triangulation = Triangulation.from_points(points, threads=threads, progress=progress)
+    cloud = planar_points(points)
+    triangulation = triangulated(predicates.rescaled(cloud)[0], progress, threads=threads)
     origin, slots, order = triangulation.origin, triangulation.n_triangles, triangulation.order
-    cloud, merged, kept = triangulation.points, triangulation.merged, triangulation.kept
+    merged, kept = triangulation.merged, triangulation.kept
     del triangulation  # frees coordinates and twins, before the cells ask for memory
     nothing = np.empty(0, np.int32)
     cells = canonical_cells(origin, slots, order, nothing, nothing)

@@ -58,6 +58,10 @@ class Insertion:
         """(k,) int32: vertices that were not inserted."""
         return self.todo[: self.state[kernels.DEFERRED]]
 
+    def put_off_all(self) -> None:
+        """Insert nothing: without a triangle of its own a walk would start among those that others change."""
+        self.state[[kernels.NEXT, kernels.DEFERRED]] = len(self.todo)
+
     @property
     def free_slots(self) -> tuple[int, int]:
         """The slots that are left."""
@@ -109,11 +113,15 @@ def insert_on_threads(mesh: Triangulation, todo: np.ndarray, threads: int, progr
         first_slot = slots[1]
         inside = np.flatnonzero(((corners >= bounds[k]) & (corners < bounds[k + 1])).all(axis=1))
         start = 4 * int(inside[0]) if len(inside) else mesh.start
-        owned = (bounds[k], bounds[k + 1]) if len(inside) else (0, 0)
-        parts.append(Insertion(mesh, part, slots, start, Scratch(mesh.quantum), owned))
+        parts.append(Insertion(mesh, part, slots, start, Scratch(mesh.quantum), (bounds[k], bounds[k + 1])))
+        if not len(inside):
+            parts[-1].put_off_all()
     _run(parts, part_of(progress, 0.0, 0.8))
-    rest = np.sort(np.concatenate([part.put_off for part in parts]))
-    last = Insertion(mesh, rest, (0, 0), mesh.start, mesh.scratch)
+    waits = np.zeros(n, bool)
+    for part in parts:
+        waits[part.put_off] = True
+    # In the order of all: where most were put off, as around a hub, its rounds matter.
+    last = Insertion(mesh, todo[waits[todo]], (0, 0), mesh.start, mesh.scratch)
     for part in parts:
         last.state[[kernels.TRIANGLES, kernels.SLOT_END]] = part.free_slots
         while last.step():

@@ -93,7 +93,7 @@ class Triangulation:
         self._points = np.empty((0, 3))
         self.n_points = 0
         self.merged = self.kept = np.empty(0, np.int64)
-        self._added = False
+        self._added = self._is_broken = False
         self._numbered: tuple[Mesh, np.ndarray] | None = None
 
     @classmethod
@@ -120,10 +120,10 @@ class Triangulation:
         InvalidGeometry
             If points are not finite, all on one line, or fewer than three.
         """
-        cloud = planar_points(points)
+        cloud = planar_points(points).copy()  # the caller may change his own
         scaled, exponent = predicates.rescaled(cloud)
         mesh = triangulated(scaled, progress, threads=threads)
-        mesh.exponent, mesh._points, mesh.n_points = exponent, cloud, len(cloud)
+        mesh.exponent, mesh._points = exponent, cloud
         return mesh
 
     @property
@@ -133,8 +133,8 @@ class Triangulation:
 
     @property
     def points(self) -> np.ndarray:
-        """(m, 3) float: all points as given, those that were merged included."""
-        return self._points[: self.n_points]
+        """(m, 3) float: all points as given, those that were merged included; a copy."""
+        return self._points[: self.n_points].copy()
 
     @property
     def vertex_of(self) -> np.ndarray:
@@ -173,6 +173,7 @@ class Triangulation:
 
     def _numbering(self) -> tuple[Mesh, np.ndarray]:
         """The mesh, and for each slot the number of its cell as `canonical_cells` writes it."""
+        self._mend()
         if self._numbered is None:
             number_of = np.empty(self.n_triangles, np.int32)
             cells = canonical_cells(self.origin, self.n_triangles, self.order, self._places(), number_of)
@@ -211,10 +212,11 @@ class Triangulation:
         queries = Mesh(points, {}).points if not isinstance(points, Mesh) else points.points
         queries = predicates.resolved(np.ldexp(queries, self.exponent))
         order = insertion_order(queries, 2, rounds=False)
+        number_of = self._numbering()[1]
         cell = np.empty(len(queries), np.int64)
         weights = np.full((len(queries), 3), np.nan)
         kernels.locate_points(
-            self.xy, self.origin, self.twin, order.coordinates, order.rows, self.start, self._numbering()[1], cell,
+            self.xy, self.origin, self.twin, order.coordinates, order.rows, self.start, number_of, cell,
             weights.reshape(-1), predicates.workspace(),
         )  # fmt: skip
         cell[order.merged], weights[order.merged] = cell[order.kept], weights[order.kept]
@@ -240,17 +242,18 @@ class Triangulation:
         new = planar_points(points)
         if not len(new):
             return
+        self._mend()
         _check_count(self.n_points + len(new))
         scaled = np.ldexp(new, self.exponent) if self.exponent else new
         if not predicates.is_safe(scaled):
-            again = Triangulation.from_points(np.concatenate([self.points, new]), progress=progress)
-            vars(self).update(vars(again))
+            self._become(Triangulation.from_points(np.concatenate([self.points, new]), progress=progress))
             return
         order = insertion_order(scaled, 2, rounds=False, progress=part_of(progress, 0.0, 0.2))
         # Few points are inserted in place and at once; for many a copy may be thrown away if the user cancels.
         few = len(new) <= _POINTS_IN_PLACE
         bigger = self._extended(new, order, predicates.quantum_of(scaled), in_place=few)
         todo = np.arange(self.n_vertices, bigger.n_vertices, dtype=np.int32)
+        self._is_broken = few  # should an interrupt come half-way through arrays that are shared
         again = insert(bigger, todo, silent if few else part_of(progress, 0.2, 1.0))
         self._replace_by(bigger, again, order)
 
@@ -292,7 +295,16 @@ class Triangulation:
         bigger.merged = np.append(self.merged, merged + first)
         bigger.kept = np.append(self.kept, stays[merged])
         bigger._added, bigger._numbered = True, None
-        vars(self).update(vars(bigger))
+        self._become(bigger)
+
+    def _mend(self) -> None:
+        """Make the triangulation anew if the last `add` was interrupted."""
+        if self._is_broken:
+            self._become(Triangulation.from_points(self.points))
+
+    def _become(self, other: Triangulation) -> None:
+        """Take over all that another has."""
+        vars(self).update(vars(other))
 
 
 def triangulated(

@@ -282,6 +282,75 @@ def test_cancelling(threads, monkeypatch):
     assert cells(mesh.mesh()) == cells(delaunay_2d(points).mesh)
 
 
+@pytest.mark.parametrize("where", ["step", "_replace_by"])
+def test_an_interrupt_while_points_are_added_in_place(where, monkeypatch):
+    points = np.random.default_rng(12).random((3000, 2))
+    mesh = Triangulation.from_points(points[:1000])
+    mesh.add(points[1000:1010])  # makes room
+    before = cells(mesh.mesh())
+    with monkeypatch.context() as patched:
+        patched.setattr(point_insertion, "_STEPS_A_CHUNK", 1000)
+        owner = Triangulation if where == "_replace_by" else point_insertion.Insertion
+        whole, calls = getattr(owner, where), []
+
+        def interrupted(*given):
+            if len(calls) == 3 or where == "_replace_by":
+                raise KeyboardInterrupt
+            calls.append(1)
+            return whole(*given)
+
+        patched.setattr(owner, where, interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            mesh.add(points[1010:1400])
+    assert cells(mesh.mesh()) == before and mesh.n_points == 1010
+    assert (mesh.locate(points[1010:1100]).cell >= -1).all()
+    mesh.add(points[1010:])
+    assert cells(mesh.mesh()) == cells(delaunay_2d(points).mesh)
+
+
+def test_what_the_caller_does_to_his_points_later_does_not_matter():
+    points = np.zeros((300, 3))
+    points[:, :2] = np.random.default_rng(13).random((300, 2))
+    given = points[:200].copy()
+    mesh = Triangulation.from_points(given)
+    given[:] = np.nan
+    mesh.points[:] = np.nan
+    more = points[200:].copy()
+    mesh.add(more)
+    more[:] = np.nan
+    assert (mesh.mesh().points == points).all()
+    assert cells(mesh.mesh()) == cells(delaunay_2d(points).mesh)
+
+
+def hub_above_an_arc(n):
+    x = np.linspace(-1, 1, n)
+    return np.concatenate([[[0.0, 50.0]], np.column_stack([x, 0.01 * x**2])])
+
+
+def hub_below_a_strip(n):
+    x = np.random.default_rng(14).random(n)
+    return np.concatenate([[[0.5, -10.0]], np.column_stack([x, 0.01 * x * (1 - x)])])
+
+
+@pytest.mark.parametrize("made", [hub_above_an_arc, hub_below_a_strip])
+def test_the_fan_of_a_hub_takes_no_more_steps_on_threads(made, monkeypatch):
+    points, steps = made(20_000), []
+    monkeypatch.setattr(module, "_POINTS_A_THREAD", 100)
+    whole = point_insertion.Insertion.step
+
+    def counted(insertion):
+        before = insertion.state[point_insertion.kernels.STEPS]
+        more = whole(insertion)
+        steps[-1] += insertion.state[point_insertion.kernels.STEPS] - before
+        return more
+
+    monkeypatch.setattr(point_insertion.Insertion, "step", counted)
+    for threads in (1, 2, 3):
+        steps.append(0)
+        delaunay_2d(points, threads=threads)
+    assert max(steps) < 1.5 * steps[0]
+
+
 def test_memory_a_point():
     n = 100_000
     points = np.random.default_rng(9).random((n, 2))
