@@ -205,12 +205,16 @@ def _by_first_line(mesh: ConstrainedTriangulation, keep: np.ndarray, left: np.nd
 def _refuse(mesh: ConstrainedTriangulation) -> None:
     graph = mesh.graph
     ends = loose_ends(graph)
-    if mesh.n_faces > 1:
-        raise InvalidGeometry("the hole points leave nothing to mesh; move or remove them", parameter="holes")
     places = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in graph.points[ends[:4]])
+    is_open = f"the outline is open, with {len(ends)} loose ends, at {places}{', ...' * (len(ends) > 4)}; close it"
+    if mesh.n_faces > 1:
+        raise InvalidGeometry(
+            "the hole points leave nothing to mesh; "
+            + (f"{is_open}, or move them" if len(ends) else "move or remove them"),
+            parameter="holes",
+        )
     raise InvalidGeometry(
-        f"encloses no area: the outline is open, with {len(ends)} loose ends, at {places}{', ...' * (len(ends) > 4)}; "
-        "close it",
+        f"encloses no area: {is_open}",
         parameter="boundary",
         points=graph.source[ends[graph.source[ends] >= 0]],
         cells=np.unique(graph.line[np.isin(graph.segments, ends).any(axis=1)]),

@@ -186,6 +186,12 @@ def test_lines_outside_are_told():
         ([[0, 0], [1, 0], [0, 1]], [(0, 0), (1, 1)], {}, "only lines without length"),
         ([[0, 0], [1, 0], [2, 0]], [(0, 1), (1, 2), (2, 0)], {}, "one line"),
         ([[0, 0], [1, 0], [0, 1]], loop_lines(3), {"holes": [[0.2, 0.2]]}, "leave nothing to mesh"),
+        (
+            [[0, 0], [1, 0], [0, 1], [5, 5], [6, 6]],
+            [*loop_lines(3), (3, 4)],
+            {"holes": [[0.2, 0.2]]},
+            r"leave nothing to mesh; the outline is open, with 2 loose ends, at \(5, 5\)",
+        ),
         ([[0, 0], [1, 0], [0, 1]], loop_lines(3), {"holes": [[0.5, 0.0]]}, "lies on a line"),
         ([[0, 0], [1, 0], [0, 1]], loop_lines(3), {"holes": [0.5, 0.0]}, "shape"),
         ([[0, 0], [1, 0], [0, 1]], loop_lines(3), {"holes": [["a", "b"]]}, "numbers"),
