@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -39,16 +39,19 @@ class Plane:
         return np.cross(*self.axes)
 
     @cached_property
-    def _kept_axes(self) -> np.ndarray | None:
+    def _kept_axes(self) -> tuple[int, int] | None:
         """The two coordinates that the plane's own are, where the frame only drops one."""
-        columns = self.axes.argmax(axis=1)
-        return columns if (self.axes[[0, 1], columns] == 1).all() and not self.origin[columns].any() else None
+        first, second = self.axes.argmax(axis=1).tolist()
+        only_drops = self.axes[0, first] == self.axes[1, second] == 1 and not self.origin[[first, second]].any()
+        return (first, second) if only_drops else None
 
     def to_plane(self, points: np.ndarray) -> np.ndarray:
         """(n, 2) float: points of space in the plane's own coordinates, to the last bit where the frame allows."""
         points = np.asarray(points, float)
         if (kept := self._kept_axes) is not None:
-            return np.ascontiguousarray(points[:, kept])
+            planar = np.empty((len(points), 2))
+            planar[:, 0], planar[:, 1] = points[:, kept[0]], points[:, kept[1]]
+            return planar
         return (points - self.origin) @ self.axes.T
 
     def to_space(self, points: np.ndarray) -> np.ndarray:
@@ -106,10 +109,7 @@ def fitted_plane(points: np.ndarray, *, tolerance: float = 1e-6, parameter: str 
         return Plane(np.zeros(3), np.eye(3)[:2])
     for axis, (first, second) in _REMAINING.items():
         if (points[:, axis] == points[0, axis]).all():
-            origin, axes = np.zeros(3), np.zeros((2, 3))
-            origin[axis] = points[0, axis]
-            axes[0, first] = axes[1, second] = 1
-            return Plane(origin, axes)
+            return _plane_across(axis, first, second, float(points[0, axis]) + 0.0)  # no negative zero
     spread = np.ptp(points, axis=0)
     scale = float(spread.max())
     centre = points.min(axis=0) / 2 + points.max(axis=0) / 2
@@ -129,6 +129,16 @@ def fitted_plane(points: np.ndarray, *, tolerance: float = 1e-6, parameter: str 
             points=far,
         )
     return plane
+
+
+@lru_cache(maxsize=64)
+def _plane_across(axis: int, first: int, second: int, value: float) -> Plane:
+    """The plane in which one coordinate has a value; the two others are its own."""
+    origin, axes = np.zeros(3), np.zeros((2, 3))
+    origin[axis] = value
+    axes[0, first] = axes[1, second] = 1
+    origin.flags.writeable = axes.flags.writeable = False  # many callers share them
+    return Plane(origin, axes)
 
 
 def _turned(vector: np.ndarray) -> np.ndarray:

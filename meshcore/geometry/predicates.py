@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -88,7 +89,7 @@ def quantum_of(points: np.ndarray) -> float:
     kernels.magnitudes(numbers, found)
     if found[1] == 0.0:
         return 0.0
-    largest = 2.0 ** (np.frexp(found[1])[1] - 1)
+    largest = math.ldexp(0.5, math.frexp(found[1])[1])
     return kernels.quantum(numbers, largest, largest * _SMALLEST_QUANTUM)
 
 
@@ -102,7 +103,8 @@ def is_safe(points: np.ndarray) -> bool:
     """
     found = np.zeros(2)
     finite = kernels.magnitudes(points.reshape(-1), found)
-    return bool(finite and found[0] >= 2.0 ** (LOWEST_BIT + 53) and found[1] < 2.0**HIGHEST_BIT)
+    smallest, largest = found.tolist()
+    return finite and smallest >= 2.0 ** (LOWEST_BIT + 53) and largest < 2.0**HIGHEST_BIT
 
 
 def rescaled(points: np.ndarray) -> tuple[np.ndarray, int]:

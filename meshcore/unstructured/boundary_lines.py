@@ -5,23 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from ..mesh import Mesh
+from . import _planar_graph_kernels as kernels
 from .planar_graph import PlanarGraph
 
 
-def line_cells(boundary: Mesh) -> np.ndarray:
-    """(m,) int: numbers of the "line" cells among all cells of a boundary; empty without any."""
-    for kind, _, where in boundary.blocks():
-        if kind == "line":
-            return np.arange(where.start, where.stop)
-    return np.empty(0, np.int64)
+def first_line(boundary: Mesh) -> int:
+    """The number of the first "line" cell among all cells of a boundary."""
+    kinds = list(boundary.cells)
+    return sum(len(boundary.cells[kind]) for kind in kinds[: kinds.index("line")]) if "line" in kinds else 0
 
 
 def used_points(boundary: Mesh) -> np.ndarray:
-    """(k,) int: the points of a boundary that its "line" and "vertex" cells use."""
-    used = np.zeros(boundary.n_points, bool)
-    used[boundary.get("line")] = True
-    used[boundary.get("vertex")] = True
-    return np.flatnonzero(used)
+    """(k,) int: the points of a boundary that its "line" and "vertex" cells use, ascending."""
+    used = np.zeros(boundary.n_points, np.int64)
+    return used[: kernels.list_used(boundary.get("line"), boundary.get("vertex"), used)]
 
 
 def edges_on_lines(

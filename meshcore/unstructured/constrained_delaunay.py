@@ -13,7 +13,7 @@ from ..operation import Param, Port, operation
 from ..progress import Progress, advance, part_of, silent
 from ..report import Result
 from .assembly import assembled
-from .boundary_lines import edges_on_lines, line_cells, used_points
+from .boundary_lines import edges_on_lines, first_line, used_points
 from .conforming import conform
 from .constrained import ConstrainedTriangulation, constrained
 from .domain import Domain, collected_seeds, domain
@@ -115,10 +115,10 @@ def constrained_delaunay(
     if not isinstance(boundary, Mesh):
         raise InvalidInput(f"needs a Mesh of line cells, got {type(boundary).__name__}", parameter="boundary")
     segments = boundary.get("line")
-    vertices = boundary.get("vertex").ravel()
-    plane = fitted_plane(boundary.points[used_points(boundary)], parameter="boundary")
-    graph = planar_graph(plane.to_plane(boundary.points), segments, vertices, "boundary", may_lack_lines=keep == "hull")
-    graph.line = line_cells(boundary)[graph.line]
+    used = used_points(boundary)
+    plane = fitted_plane(boundary.points[used], parameter="boundary")
+    graph = planar_graph(plane.to_plane(boundary.points), segments, used, "boundary", may_lack_lines=keep == "hull")
+    graph.line += first_line(boundary)
     marks = collected_seeds(boundary, holes, regions, plane, seeds)
     triangulation = constrained(
         graph, split_crossings=crossings == "split", parameter="boundary", progress=part_of(progress, 0.0, 0.7)

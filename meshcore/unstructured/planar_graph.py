@@ -8,6 +8,7 @@ import numpy as np
 
 from ..errors import InvalidGeometry
 from ..mesh import topology
+from . import _planar_graph_kernels as kernels
 
 # Shares of the largest coordinate; a double's own rounding is 1.1e-16 of it. Points nearer than the first are one; a
 # point nearer to a segment than the second lies on it. The first is larger, so that a walk along a segment from
@@ -19,7 +20,7 @@ _LARGEST, _SMALLEST = 1e75, 1e-75
 # A share of the largest coordinate that counts as zero: exact arithmetic over more than that would be slow.
 NOTHING = 2.0**-200
 # A direction along which hardly two points of a drawing agree, and the one across it.
-_SKEW, _ACROSS = np.array([0.7653668647, 0.6435942529]), np.array([-0.6435942529, 0.7653668647])
+_SKEW, _ACROSS = (0.7653668647, 0.6435942529), np.array([-0.6435942529, 0.7653668647])
 
 
 @dataclass
@@ -48,7 +49,7 @@ class PlanarGraph:
 
 
 def planar_graph(
-    points: np.ndarray, lines: np.ndarray, vertices: np.ndarray, parameter: str, *, may_lack_lines: bool = False
+    points: np.ndarray, lines: np.ndarray, used: np.ndarray, parameter: str, *, may_lack_lines: bool = False
 ) -> PlanarGraph:
     """The graph of line cells: equal points merged, empty and repeated lines dropped.
 
@@ -58,78 +59,80 @@ def planar_graph(
         Coordinates.
     lines : (m, 2) int
         Ends of the line cells.
-    vertices : (k,) int
-        Points to keep although no line may use them.
+    used : (k,) int
+        Points to keep, ascending, those of the lines among them.
     parameter : str
         Name of the input, for messages.
     may_lack_lines : bool
         Whether points alone will do.
     """
-    if not len(lines) and not (may_lack_lines and len(vertices)):
+    if not len(lines) and not (may_lack_lines and len(used)):
         raise InvalidGeometry("has no line cells; give closed loops of lines", parameter=parameter)
-    is_used = np.zeros(len(points), bool)
-    is_used[lines] = True
-    is_used[vertices] = True
-    used = np.flatnonzero(is_used)
-    largest = float(np.abs(points[used]).max())
+    clean = points[used]
+    same, largest = _merged(clean)
     if not (_SMALLEST < largest < _LARGEST or largest == 0):
         raise InvalidGeometry(
             f"has coordinates up to {largest:.3g}; scale them to between {_SMALLEST:g} and {_LARGEST:g}",
             parameter=parameter,
         )
-    same = _merged(points[used])
-    is_first = same == np.arange(len(used))
-    source = used[is_first]
-    at = np.full(len(points), -1)
-    at[used] = (np.cumsum(is_first) - 1)[same]
-    segments = at[lines]
     warnings = []
-    if len(source) < len(used):
+    number = np.arange(len(used))
+    source = used
+    if same is not None:
+        is_first = same == number
+        number = (np.cumsum(is_first) - 1)[same]
+        source, clean = used[is_first], clean[is_first]
         warnings.append(f"{len(used) - len(source)} points at the place of others were merged with them")
-    real = np.flatnonzero(segments[:, 0] != segments[:, 1])
-    if len(real) < len(segments):
-        warnings.append(f"{len(segments) - len(real)} lines without length were dropped")
-    segments = segments[real]
-    first = _first_of_each(segments)
-    if len(first) < len(segments):
-        warnings.append(f"{len(segments) - len(first)} lines that repeat others were dropped")
-    if len(lines) and not len(first):
-        raise InvalidGeometry("has only lines without length", parameter=parameter, cells=range(len(lines)))
-    clean = points[source]
-    clean[np.abs(clean) < NOTHING * largest] = 0.0
-    return PlanarGraph(clean, source, segments[first], real[first], warnings)
+    at = np.empty(len(points), np.int64)
+    at[used] = number
+    segments = np.empty((len(lines), 2), np.int64)
+    real, keys = np.empty((2, len(lines)), np.int64)
+    count = kernels.number_lines(lines, at, len(source), segments, real, keys)
+    if count < len(lines):
+        warnings.append(f"{len(lines) - count} lines without length were dropped")
+        if not count:
+            raise InvalidGeometry("has only lines without length", parameter=parameter, cells=range(len(lines)))
+        segments, real, keys = segments[:count], real[:count], keys[:count]
+    first = _first_of_each(keys)
+    if first is not None:
+        warnings.append(f"{count - len(first)} lines that repeat others were dropped")
+        segments, real = segments[first], real[first]
+    kernels.clear_tiny(clean, NOTHING * largest)
+    return PlanarGraph(clean, source, segments, real, warnings)
 
 
-def _first_of_each(segments: np.ndarray) -> np.ndarray:
-    """Numbers of the segments that repeat no earlier one, in order."""
-    if not len(segments):
-        return np.empty(0, np.int64)
-    low, high = np.minimum(*segments.T), np.maximum(*segments.T)
-    key = low * (int(high.max()) + 1) + high
-    ordered = np.sort(key)  # a plain sort is far faster than one that returns numbers, and mostly enough
+def _first_of_each(keys: np.ndarray) -> np.ndarray | None:
+    """Numbers of the keys that repeat no earlier one, in order; None if none does."""
+    ordered = np.sort(keys)  # a plain sort is far faster than one that returns numbers, and mostly enough
     if (ordered[1:] != ordered[:-1]).all():
-        return np.arange(len(segments))
-    return np.sort(np.unique(key, return_index=True)[1])
+        return None
+    return np.sort(np.unique(keys, return_index=True)[1])
 
 
-def _merged(points: np.ndarray) -> np.ndarray:
-    """(n,) int: for each point the first point of the group of points at its place."""
-    distance = SAME_POINT * float(np.abs(points).max())
+def _merged(points: np.ndarray) -> tuple[np.ndarray | None, float]:
+    """For each point the first point of the group of points at its place, None if each has its own; largest coordinate.
+
+    Points at one place are not farther apart than `SAME_POINT` of the largest coordinate, or connected by such.
+    """
+    skew = np.empty(len(points))
+    largest = kernels.project(points, *_SKEW, skew)
+    distance = SAME_POINT * largest
     if not distance:
-        return np.zeros(len(points), int)
+        return np.zeros(len(points), int), largest
     # Points at one place have nearly the same coordinate along any direction. Along a skew one, few others have.
-    skew = points @ _SKEW
     ordered = np.sort(skew)
+    if kernels.least_gap(ordered) > 2 * distance:
+        return None, largest
     close = ordered[1:] - ordered[:-1] <= 2 * distance
-    if not close.any():
-        return np.arange(len(points))
     starts = ordered[np.flatnonzero(close & ~np.append(False, close[:-1]))]
     stops = ordered[1:][np.flatnonzero(close & ~np.append(close[1:], False))]
     cluster = np.searchsorted(starts, skew, side="right") - 1
     some = np.flatnonzero((cluster >= 0) & (skew <= stops[np.maximum(cluster, 0)]))
     pairs = some[_near_pairs(points[some] / distance, cluster[some])]
+    if not len(pairs):
+        return None, largest
     group = topology.connected(pairs, len(points))
-    return np.unique(group, return_index=True)[1][group]
+    return np.unique(group, return_index=True)[1][group], largest
 
 
 def _near_pairs(points: np.ndarray, cluster: np.ndarray) -> np.ndarray:
@@ -172,7 +175,9 @@ class Crossings:
 def split_at_crossings(graph: PlanarGraph, crossings: Crossings) -> PlanarGraph:
     """The graph with a point where each pair of segments crosses, and both split there."""
     points = np.concatenate([graph.points, crossings.places])
-    same = _merged(points)
+    same = _merged(points)[0]
+    if same is None:
+        same = np.arange(len(points))
     owner = crossings.pairs.T.ravel()
     stop = np.tile(len(graph.points) + np.arange(len(crossings.pairs)), 2)
     start = graph.points[graph.segments[owner, 0]]
@@ -190,8 +195,10 @@ def split_at_crossings(graph: PlanarGraph, crossings: Crossings) -> PlanarGraph:
     segments = np.searchsorted(keep, segments)
     real = segments[:, 0] != segments[:, 1]
     segments, line = segments[real], line[real]
-    first = _first_of_each(segments)
-    return PlanarGraph(points[keep], source, segments[first], line[first], graph.warnings)
+    first = _first_of_each(segments.min(axis=1) * len(keep) + segments.max(axis=1))
+    if first is not None:
+        segments, line = segments[first], line[first]
+    return PlanarGraph(points[keep], source, segments, line, graph.warnings)
 
 
 def divided_graph(

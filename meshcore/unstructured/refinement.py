@@ -14,7 +14,7 @@ from ..progress import Progress, advance, part_of, silent
 from ..report import Result
 from ..sizing.size_field import SizeField
 from .assembly import assembled
-from .boundary_lines import line_cells, used_points
+from .boundary_lines import first_line, used_points
 from .constrained import constrained
 from .domain import collected_seeds, domain
 from .front import Front
@@ -181,11 +181,11 @@ def delaunay_refinement(
     if max_area == 0:
         raise InvalidInput("must be greater than zero, got 0; leave it out for no limit", parameter="max_area")
     segments = boundary.get("line")
-    vertices = boundary.get("vertex").ravel()
-    used = boundary.points[used_points(boundary)]
-    plane = fitted_plane(used, parameter="boundary")
-    graph = planar_graph(plane.to_plane(boundary.points), segments, vertices, "boundary")
-    graph.line = line_cells(boundary)[graph.line]
+    used = used_points(boundary)
+    corners = boundary.points[used]
+    plane = fitted_plane(corners, parameter="boundary")
+    graph = planar_graph(plane.to_plane(boundary.points), segments, used, "boundary")
+    graph.line += first_line(boundary)
     marks = collected_seeds(boundary, holes, regions, plane, seeds)
     mesh = constrained(
         graph, split_crossings=crossings == "split", parameter="boundary", progress=part_of(progress, 0.0, 0.2)
@@ -194,7 +194,7 @@ def delaunay_refinement(
     sizes = sizing(
         boundary, background, size_array, gradation, size_field, plane, mesh, parts, part_of(progress, 0.2, 1.0)
     )
-    length = np.inf if size is None else absolute(size, float(np.linalg.norm(np.ptp(used, axis=0))))
+    length = np.inf if size is None else absolute(size, float(np.linalg.norm(np.ptp(corners, axis=0))))
     lattice = None
     why_not = _no_lattice(min_angle, sizes is not None, split_boundary)
     if placement == "lattice" and why_not:

@@ -17,7 +17,7 @@ def test_points_nearer_than_rounding_are_one_and_others_are_not(seed, places, co
     offsets = spread * distance * np.column_stack([np.cos(angle), np.sin(angle)])
     points = np.concatenate([(at[:-1, None] + offsets).reshape(-1, 2), at[-1:]])
     lines = np.column_stack([np.arange(len(points) - 1), np.full(len(points) - 1, len(points) - 1)])
-    graph = planar_graph(points, lines, np.empty(0, int), "boundary")
+    graph = planar_graph(points, lines, np.arange(len(points)), "boundary")
     gaps = np.linalg.norm(points[:, None] - points[None], axis=2)
     reach = gaps <= distance  # what is near, and near to what is near
     for _ in range(copies):
