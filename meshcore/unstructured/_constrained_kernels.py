@@ -61,13 +61,29 @@ def on_segment(ax, ay, bx, by, qx, qy, tolerance):
 
 
 @kernel
-def map_vertices(origin, twin, n_triangles, vertex_edge):
-    """Clear flags and stamps, and note one outgoing half-edge of each vertex."""
+def prepare(xy, order, merged, kept, origin, twin, n_triangles, segments, vertex, ends, vertex_edge, piece_of):
+    """Name segments by vertices, note one outgoing half-edge of each, clear flags, stamps and pieces.
+
+    ``segments`` are pairs of points, ``vertex`` gets the vertex of each point. The answer is the largest magnitude of a
+    coordinate.
+    """
+    for v in range(len(order)):
+        vertex[U(order[U(v)])] = v
+    for i in range(len(merged)):
+        vertex[U(merged[U(i)])] = vertex[U(kept[U(i)])]
+    for s in range(len(segments)):
+        ends[U(s), U(0)] = vertex[U(segments[U(s), U(0)])]
+        ends[U(s), U(1)] = vertex[U(segments[U(s), U(1)])]
     for t in range(n_triangles):
         origin[U(4 * t + 3)] = 0
         twin[U(4 * t + 3)] = 0
         for k in range(3):
             vertex_edge[origin[U(4 * t + k)]] = 4 * t + k
+    piece_of[:] = -1
+    largest = 0.0
+    for i in range(2 * len(order)):
+        largest = max(largest, abs(xy[U(i)]))
+    return largest
 
 
 @kernel

@@ -32,13 +32,51 @@ NO_SLOTS = 4
 
 
 @kernel
-def first_turn(xy, work):
-    """The first vertex that is not on the line of the first two, minus it if it is right of that; 0 if all are."""
+def first_triangle(xy, origin, twin, work):
+    """Write the counter-clockwise triangle of the first two vertices and the first that is not on their line.
+
+    Three ghosts are around it. The answer is that vertex; 0 if all are on the line, then nothing is written.
+    """
     for v in range(2, len(xy) // 2):
         side = side_of(xy[U(0)], xy[U(1)], xy[U(2)], xy[U(3)], xy[U(2 * v)], xy[U(2 * v + 1)], work)
         if side != 0.0:
-            return v if side > 0.0 else -v
+            corners = (0, 1, v) if side > 0.0 else (1, 0, v)
+            for k in range(3):
+                after, before = (k + 1) % 3, (k + 2) % 3
+                ghost = 4 * (k + 1)
+                origin[U(k)] = corners[k]
+                twin[U(k)] = ghost
+                origin[U(ghost)] = corners[after]
+                origin[U(ghost + 1)] = corners[k]
+                origin[U(ghost + 2)] = -1
+                twin[U(ghost)] = k
+                twin[U(ghost + 1)] = 4 * (before + 1) + 2
+                twin[U(ghost + 2)] = 4 * (after + 1) + 1
+            return v
     return 0
+
+
+@kernel
+def list_in_rounds(n, third, coarse, fine, todo):
+    """List the vertices below n but 0, 1 and ``third``: every so many, of the others every so many, then the rest.
+
+    ``fine`` divides ``coarse``. The answer is how many are in the first round.
+    """
+    count = 0
+    for v in range(0, n, coarse):
+        if v > 1 and v != third:
+            todo[U(count)] = v
+            count += 1
+    first = count
+    for v in range(0, n, fine):
+        if v % coarse != 0 and v > 1 and v != third:
+            todo[U(count)] = v
+            count += 1
+    for v in range(2, n):
+        if v % fine != 0 and v != third:
+            todo[U(count)] = v
+            count += 1
+    return first
 
 
 @kernel

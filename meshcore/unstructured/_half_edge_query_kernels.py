@@ -10,8 +10,8 @@ from .._numba import kernel
 from ._half_edge_kernels import DEAD, U, is_constrained, next_edge, previous_edge, side_of
 
 FULL_LIST, ABSENT = -1, -2
-# What `faces_at` answers for places beyond all triangles, and on a segment.
-BEYOND, ON_SEGMENT = -1, -2
+# What `faces_at` answers for places beyond all triangles.
+BEYOND = -1
 
 
 @kernel
@@ -169,9 +169,10 @@ def walk_segment(xy, origin, twin, vertex_edge, a, b, found, faces, work):
 
 @kernel
 def faces_at(xy, origin, n_triangles, face, places, found, work):
-    """Write the face in which each place lies, `BEYOND` or `ON_SEGMENT`; exact. Places are few: all triangles are seen.
+    """Write the face in which each place lies, or `BEYOND`; exact. Places are few: all triangles are seen.
 
-    A place between two triangles, at no segment, is in the face of both.
+    A place between two triangles, at no segment, is in the face of both. The answer is the number of the first place on
+    a segment, where the kernel stops; as many as there are if none is.
     """
     for i in range(len(places)):
         x = places[U(i), U(0)]
@@ -197,9 +198,9 @@ def faces_at(xy, origin, n_triangles, face, places, found, work):
                 or (past_c == 0.0 and is_constrained(origin, 4 * t + 2))
             )
             if on_segment:
-                found[U(i)] = ON_SEGMENT
-                break
+                return i
             found[U(i)] = face[U(t)]
+    return len(places)
 
 
 @kernel
@@ -210,6 +211,26 @@ def faces_beside(origin, n_triangles, piece_of, pieces, face, sides):
             if is_constrained(origin, e):
                 piece = piece_of[U(e)]
                 sides[U(origin[U(e)] != pieces[U(piece), U(0)]), U(piece)] = face[U(t)]
+
+
+@kernel
+def first_lines(sides, pieces, line, keep, first):
+    """Write the first input line beside each face, as `faces_beside` tells; -1 for faces without.
+
+    ``line`` is the input line under each segment. The answer is how many pieces have no face that is kept beside
+    them.
+    """
+    first[:] = -1
+    outside = 0
+    for p in range(len(pieces)):
+        number = line[U(pieces[U(p), U(2)])]
+        for side in range(2):
+            f = sides[U(side), U(p)]
+            if first[U(f)] < 0 or number < first[U(f)]:
+                first[U(f)] = number
+        if not (keep[U(sides[U(0), U(p)])] or keep[U(sides[U(1), U(p)])]):
+            outside += 1
+    return outside
 
 
 @kernel

@@ -63,12 +63,12 @@ class ConstrainedTriangulation:
         return np.concatenate([4 * np.flatnonzero(flags >> k & 1) + k for k in range(3)])
 
     @cached_property
-    def faces_beside(self) -> tuple[np.ndarray, np.ndarray]:
-        """(p,) int: the faces left and right of each piece, as they are before refinement."""
+    def faces_beside(self) -> np.ndarray:
+        """(2, p) int: the faces left and right of each piece, as they are before refinement."""
         sides = np.zeros((2, len(self.pieces)), np.int64)
         whole = self.triangulation
         queries.faces_beside(whole.origin, whole.n_triangles, self.piece_of, self.pieces, self.face, sides)
-        return sides[0], sides[1]
+        return sides
 
     def pieces_beside(self, keep: np.ndarray) -> np.ndarray:
         """(p,) bool: whether one of the faces beside each piece, by ``keep``, is meshed; beyond the hull nothing is."""
@@ -132,15 +132,18 @@ def _refuse(graph: PlanarGraph, crossings: Crossings, parameter: str) -> None:
 def _inserted(mesh: Triangulation, graph: PlanarGraph, progress: Progress):
     """Insert the segments; the pieces, the piece of each half-edge, and what cross."""
     kernels = constrained_kernels
-    segments = np.ascontiguousarray(mesh.vertex_of[graph.segments], dtype=np.int32)
-    vertex_edge = np.empty(len(mesh.order) + 1, np.int32)
-    piece_of = np.full(len(mesh.origin), -1, np.int32)
-    kernels.map_vertices(mesh.origin, mesh.twin, mesh.n_triangles, vertex_edge)
+    segments = np.empty(graph.segments.shape, np.int32)
+    vertex, vertex_edge = np.empty(mesh.n_points, np.int32), np.empty(len(mesh.order) + 1, np.int32)
+    piece_of = np.empty(len(mesh.origin), np.int32)
+    largest = kernels.prepare(
+        mesh.xy, mesh.order, mesh.merged, mesh.kept, mesh.origin, mesh.twin, mesh.n_triangles, graph.segments, vertex,
+        segments, vertex_edge, piece_of,
+    )  # fmt: skip
     pieces = np.empty((len(segments) + 64, 3), np.int32)
     crossed, places = np.empty((64, 2), np.int32), np.empty((64, 2))
     size = 1024
     chain, cavity, sweep, stack = _buffers(size)
-    tolerance = ON_SEGMENT * float(np.abs(mesh.xy).max())
+    tolerance = ON_SEGMENT * largest
     state = np.zeros(kernels.STATE_SIZE, np.int64)
     state[kernels.FROM] = -1
     status = half_edges.MORE
@@ -190,13 +193,10 @@ def faces_of_points(mesh: ConstrainedTriangulation, points: np.ndarray, paramete
         If a point lies on a line, between two faces.
     """
     found = np.empty(len(points), np.int64)
-    if not len(points):
-        return found
     whole = mesh.triangulation
     places = predicates.resolved(np.ldexp(points, mesh.exponent))
-    queries.faces_at(whole.xy, whole.origin, whole.n_triangles, mesh.face, places, found, predicates.workspace())
-    if (found == queries.ON_SEGMENT).any():
-        k = int((found == queries.ON_SEGMENT).argmax())
+    k = queries.faces_at(whole.xy, whole.origin, whole.n_triangles, mesh.face, places, found, predicates.workspace())
+    if k < len(points):
         raise InvalidGeometry(
             f"point {k} at ({points[k, 0]:.6g}, {points[k, 1]:.6g}) lies on a line, so on no side of it; move it",
             parameter=parameter,

@@ -10,6 +10,7 @@ import numpy as np
 from ..errors import InvalidGeometry, InvalidInput
 from ..geometry.plane import Plane
 from ..mesh import Mesh
+from . import _half_edge_query_kernels as queries
 from .constrained import ConstrainedTriangulation, faces_of_points, levels, loose_ends
 
 # Beyond this, not every whole number is a double.
@@ -76,7 +77,9 @@ def collected_seeds(boundary: Mesh, holes: Any, regions: Any, plane: Plane, poin
         holes = _rows("holes", holes, (2, 3))
         holes = plane.to_plane(holes) if holes.shape[1] == 3 else holes
         holes = holes if len(holes) else None
-    regions = _rows("regions", regions if regions is not None else np.empty((0, 2)), (2, 3, 4))
+    if regions is None:
+        return Seeds(holes, np.empty((0, 2)), np.empty(0, np.int64), np.empty(0))
+    regions = _rows("regions", regions, (2, 3, 4))
     number = np.arange(1.0, len(regions) + 1)
     tags = regions[:, 2] if regions.shape[1] > 2 else number
     if (tags != np.rint(tags)).any():
@@ -156,50 +159,53 @@ def domain(mesh: ConstrainedTriangulation, seeds: Seeds, max_area: float, *, kee
         If nothing is enclosed, or holes leave nothing.
     """
     warnings: list[str] = []
-    hole_faces = faces_of_points(mesh, seeds.holes, "holes") if seeds.holes is not None else np.empty(0, np.int64)
-    region_faces = faces_of_points(mesh, seeds.regions, "regions")
-    for name, points, faces in (("hole", seeds.holes, hole_faces), ("region", seeds.regions, region_faces)):
-        for k in np.flatnonzero(faces < (0 if keep_hull else 1)):
-            warnings.append(f"{name} {k} at ({points[k, 0]:.6g}, {points[k, 1]:.6g}) lies outside and has no effect")
-    hole_faces, is_in_hull = hole_faces[hole_faces >= 0], region_faces >= 0
-    region_faces, tags, max_areas = region_faces[is_in_hull], seeds.tags[is_in_hull], seeds.max_areas[is_in_hull]
+    hole_faces = _faces_of(mesh, "hole", seeds.holes, keep_hull, warnings)
+    region_faces = _faces_of(mesh, "region", seeds.regions, keep_hull, warnings)
+    marked = np.flatnonzero(region_faces >= 0) if len(region_faces) else ()
     if seeds.holes is None and not keep_hull:
         keep = levels(mesh) == 1
-        keep[region_faces] = True
+        if len(marked):
+            keep[region_faces[marked]] = True
     else:
         keep = np.ones(mesh.n_faces, bool)
-        keep[hole_faces] = False
+        keep[hole_faces[hole_faces >= 0]] = False
     keep[0] &= keep_hull
     if not keep.any():
         _refuse(mesh)
-    left, right = mesh.faces_beside
-    outside = np.flatnonzero(~keep[left] & ~keep[right])
-    if len(outside):
-        lines = np.unique(mesh.line[outside])
-        more = "; the outline may be open" if len(loose_ends(mesh.graph)) else ""
-        warnings.append(f"{len(lines)} lines lie outside what is meshed, the first is line {lines[0]}{more}")
+    first = np.empty(mesh.n_faces, np.int64)
+    if queries.first_lines(mesh.faces_beside, mesh.pieces, mesh.graph.line, keep, first):
+        warnings.append(_lines_outside(mesh, keep))
     tag = np.zeros(mesh.n_faces, np.int64)
     limit = np.full(mesh.n_faces, max_area)
-    if len(region_faces):
-        tag[region_faces] = tags
-        for k in np.flatnonzero((tag[region_faces] != tags) & (region_faces > (-1 if keep_hull else 0))):
-            number = np.flatnonzero(is_in_hull)[k]
-            warnings.append(f"region {number} lies in one part with a later one, so its tag {tags[k]} has no effect")
-        np.minimum.at(limit, region_faces, max_areas)
-    else:
-        tag[_by_first_line(mesh, keep, left, right)] = np.arange(1, keep[1:].sum() + 1)
+    if len(marked):
+        faces, tags = region_faces[marked], seeds.tags[marked]
+        tag[faces] = tags
+        for k in np.flatnonzero((tag[faces] != tags) & (faces > (-1 if keep_hull else 0))):
+            warnings.append(f"region {marked[k]} lies in one part with a later one, so its tag {tags[k]} has no effect")
+        np.minimum.at(limit, faces, seeds.max_areas[marked])
+    else:  # the parts count from 1 by the first line beside each
+        kept = 1 + np.flatnonzero(keep[1:])
+        tag[kept[np.argsort(first[kept], kind="stable")] if len(kept) > 1 else kept] = np.arange(1, len(kept) + 1)
     return Domain(keep, tag, limit, warnings)
 
 
-def _by_first_line(mesh: ConstrainedTriangulation, keep: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """The kept faces but the outer one, in the order of the first input line beside each."""
-    kept = 1 + np.flatnonzero(keep[1:])
-    if len(kept) < 2:
-        return kept
-    first = np.full(mesh.n_faces, np.iinfo(np.int64).max)
-    np.minimum.at(first, left, mesh.line)
-    np.minimum.at(first, right, mesh.line)
-    return kept[np.argsort(first[kept], kind="stable")]
+def _faces_of(
+    mesh: ConstrainedTriangulation, name: str, points: np.ndarray | None, keep_hull: bool, warnings: list[str]
+) -> np.ndarray:
+    """(k,) int: the face of each seed, -1 outside the hull; warns of seeds without effect."""
+    if points is None or not len(points):
+        return np.empty(0, np.int64)
+    faces = faces_of_points(mesh, points, f"{name}s")
+    for k in np.flatnonzero(faces < (0 if keep_hull else 1)):
+        warnings.append(f"{name} {k} at ({points[k, 0]:.6g}, {points[k, 1]:.6g}) lies outside and has no effect")
+    return faces
+
+
+def _lines_outside(mesh: ConstrainedTriangulation, keep: np.ndarray) -> str:
+    """The warning of lines with nothing that is meshed beside them."""
+    lines = np.unique(mesh.line[~keep[mesh.faces_beside].any(axis=0)])
+    more = "; the outline may be open" if len(loose_ends(mesh.graph)) else ""
+    return f"{len(lines)} lines lie outside what is meshed, the first is line {lines[0]}{more}"
 
 
 def _refuse(mesh: ConstrainedTriangulation) -> None:

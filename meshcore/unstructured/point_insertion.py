@@ -51,7 +51,8 @@ class Insertion:
     ):
         self.mesh, self.todo, self.scratch, self.owned = mesh, todo, scratch, owned
         self.state = np.zeros(kernels.STATE_SIZE, np.int64)
-        self.state[[kernels.TRIANGLES, kernels.SLOT_END, kernels.START]] = *slots, start
+        self.state[kernels.TRIANGLES], self.state[kernels.SLOT_END] = slots
+        self.state[kernels.START] = start
 
     @property
     def put_off(self) -> np.ndarray:
@@ -123,7 +124,7 @@ def insert_on_threads(mesh: Triangulation, todo: np.ndarray, threads: int, progr
     # In the order of all: where most were put off, as around a hub, its rounds matter.
     last = Insertion(mesh, todo[waits[todo]], (0, 0), mesh.start, mesh.scratch)
     for part in parts:
-        last.state[[kernels.TRIANGLES, kernels.SLOT_END]] = part.free_slots
+        last.state[kernels.TRIANGLES], last.state[kernels.SLOT_END] = part.free_slots
         while last.step():
             advance(progress, 0.8 + 0.2 * last.fraction, "triangulating points")
     if last.fraction < 1.0 or len(last.put_off):

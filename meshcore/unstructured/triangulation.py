@@ -25,15 +25,11 @@ __all__ = ["Scratch", "Triangulation", "grown", "triangulated"]
 
 # Of the points along the curve every so many are inserted first: cavities are then rounder than at the edge of a
 # growing strip, and threads find triangles of their own.
-_STRIDES = (256, 16)
+_STRIDES, _ONE_ROUND = (256, 16), (1, 1)
 # Below this number of points a second thread does not pay.
 _POINTS_A_THREAD = 50_000
 # Half-edges are numbered by 32 bits, four a triangle and two triangles a point.
 MAX_POINTS = 2**28 - 8
-# A counter-clockwise triangle 0, 1, 2 and the ghosts (b, a, infinity) beyond its edges.
-_FIRST_ORIGIN = [0, 1, 2, 0, 1, 0, -1, 0, 2, 1, -1, 0, 0, 2, -1, 0]
-_FIRST_TWIN = [4, 8, 12, 0, 0, 14, 9, 0, 1, 6, 13, 0, 2, 10, 5, 0]
-_FIRST_CORNERS = [0, 1, 2, 4, 5, 8, 9, 12, 13]
 # Up to this many points `Triangulation.add` is not to be cancelled.
 _POINTS_IN_PLACE = 20_000
 
@@ -337,32 +333,19 @@ def triangulated(
     _check_count(len(points), parameter)
     order, thin = planar_order(points, part_of(progress, 0.0, 0.2))
     mesh = Triangulation(order.coordinates, order.rows, predicates.quantum_of(points))
-    corners = _first_triangle(mesh, parameter)
     mesh._points, mesh.n_points, mesh.merged, mesh.kept = points, len(points), order.merged, order.kept
-    mesh.origin[:16], mesh.twin[:16] = _FIRST_ORIGIN, _FIRST_TWIN
-    mesh.origin[_FIRST_CORNERS] = np.array(corners)[mesh.origin[_FIRST_CORNERS]]
-    mesh.n_triangles = 4
-    rounds = _rounds(len(mesh.order), corners, () if thin else _STRIDES)
-    threads = _threads(threads, len(mesh.order))
+    n = len(order.rows)
+    todo = np.empty(max(n - 3, 0), np.int32)
+    third = _begin(mesh, parameter)
+    n_first = kernels.list_in_rounds(n, third, *(_ONE_ROUND if thin else _STRIDES), todo)
+    threads = _threads(threads, n)
     progress = part_of(progress, 0.2, 1.0)
     if threads > 1 and not thin:
-        insert(mesh, rounds[0], part_of(progress, 0.0, 0.05))
-        insert_on_threads(mesh, np.concatenate(rounds[1:]), threads, part_of(progress, 0.05, 1.0))
+        insert(mesh, todo[:n_first], part_of(progress, 0.0, 0.05))
+        insert_on_threads(mesh, todo[n_first:], threads, part_of(progress, 0.05, 1.0))
     else:
-        insert(mesh, np.concatenate(rounds), progress)
+        insert(mesh, todo, progress)
     return mesh
-
-
-def _rounds(n: int, corners: tuple[int, int, int], strides: tuple[int, ...]) -> list[np.ndarray]:
-    """The numbers below n but the corners, int32, in rounds: first every so many along the curve, then the others."""
-    numbers = np.arange(n, dtype=np.int32)
-    waiting = np.ones(n, bool)
-    waiting[list(corners)] = False
-    rounds = []
-    for stride in strides:
-        rounds.append(numbers[::stride][waiting[::stride]])
-        waiting[::stride] = False
-    return [*rounds, numbers[waiting]]
 
 
 def _threads(wanted: int | None, n: int) -> int:
@@ -370,15 +353,16 @@ def _threads(wanted: int | None, n: int) -> int:
     return max(1, min(checked_threads(wanted) or available_threads(), n // _POINTS_A_THREAD))
 
 
-def _first_triangle(mesh: Triangulation, parameter: str) -> tuple[int, int, int]:
-    """A counter-clockwise triangle of the first two vertices and the first one that is not on their line."""
+def _begin(mesh: Triangulation, parameter: str) -> int:
+    """Make the first triangle, of the first two vertices and the first one that is not on their line; return that."""
     n = len(mesh.order)
     if n < 3:
         raise InvalidGeometry(f"needs at least three different points, got {n}", parameter=parameter)
-    third = kernels.first_turn(mesh.xy, mesh.scratch.work)
+    third = kernels.first_triangle(mesh.xy, mesh.origin, mesh.twin, mesh.scratch.work)
     if not third:
         raise InvalidGeometry(f"all {n} points lie on one line; no area to mesh", parameter=parameter)
-    return (0, 1, third) if third > 0 else (1, 0, -third)
+    mesh.n_triangles = 4
+    return third
 
 
 def planar_points(points: Any, parameter: str = "points") -> np.ndarray:
