@@ -492,3 +492,43 @@ def _cut_by_line(cell: list, n: tuple, limit: Fraction) -> list:
             t = hp / (hp - hq)
             kept.append((p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])))
     return kept
+
+
+def connected(pairs, n):
+    """(n,) int: the least member of the part that each of n things is in, where pairs are joined."""
+    part = list(range(n))
+    for a, b in pairs:
+        part = [min(part[a], part[b]) if p in (part[a], part[b]) else p for p in part]
+    return part
+
+
+def blocks(edges):
+    """Lists of the edges that share cycles: neighbours do, whose far ends are joined without their common vertex."""
+    n = 1 + max(map(max, edges))
+    pairs = []
+    for v in range(n):
+        part = connected([e for e in edges if v not in e], n)
+        at_v = [(k, sum(e) - v) for k, e in enumerate(edges) if v in e]
+        pairs += [(k, j) for k, far in at_v for j, other in at_v if part[far] == part[other]]
+    block = connected(pairs, len(edges))
+    return [[k for k in range(len(edges)) if block[k] == b] for b in sorted(set(block))]
+
+
+def nesting_levels(edges, left, right, n_faces):
+    """How many loops are around each face, modulo two: blocks, even ones by edges crossed, others by their outline."""
+    level = [0] * n_faces
+    for members in blocks(edges):
+        if len(members) == 1:
+            continue
+        degree = np.bincount(np.ravel([edges[k] for k in members]))
+        others = [(left[k], right[k]) for k in range(len(edges)) if k not in members]
+        part = connected(others, n_faces)
+        crossed = {part[0]: 0}
+        while len(crossed) < len(set(part)):
+            for k in members:
+                for f, g in ((part[left[k]], part[right[k]]), (part[right[k]], part[left[k]])):
+                    if f in crossed and g not in crossed:
+                        crossed[g] = crossed[f] + 1
+        is_even = not (degree % 2).any()
+        level = [a + (crossed[p] if is_even else p != part[0]) for a, p in zip(level, part, strict=True)]
+    return [a % 2 for a in level]

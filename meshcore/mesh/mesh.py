@@ -75,6 +75,22 @@ class Mesh:
         set_(self, "sets", {k: _checked_set(k, v, self.n_cells) for k, v in dict(self.sets).items()})
         set_(self, "field_data", {k: np.ascontiguousarray(v) for k, v in dict(self.field_data).items()})
 
+    @classmethod
+    def unchecked(
+        cls, points: np.ndarray, cells: dict[str, np.ndarray], cell_data: dict[str, np.ndarray] | None = None
+    ) -> Mesh:
+        """A mesh of arrays that are known to be as the constructor would make them; for generators' own results.
+
+        Examples
+        --------
+        >>> Mesh.unchecked(np.eye(3), {"triangle": np.array([[0, 1, 2]])})
+        Mesh(3 points, 1 triangle)
+        """
+        mesh = object.__new__(cls)
+        data = {"point_data": {}, "cell_data": cell_data or {}, "sets": {}, "field_data": {}}
+        vars(mesh).update(points=points, cells=cells, **data)
+        return mesh
+
     def __repr__(self) -> str:
         kinds = ", ".join(f"{len(c)} {kind}" for kind, c in self.cells.items())
         return f"Mesh({self.n_points} points, {kinds or 'no cells'})"

@@ -38,6 +38,11 @@ def summary(mesh: Mesh | StructuredGrid) -> dict[str, float]:
 'worst scaled jacobian': 0.816}
     """
     mesh = as_mesh(mesh)
+    highest = mesh.cells
+    if len(highest) > 1:
+        highest = {kind: cells for kind, cells in highest.items() if CELL_TYPES[kind].dimension == mesh.dimension}
+    if list(highest) == ["triangle"] and (fast := _summary_of_triangles(mesh)):
+        return fast
     if mesh.dimension < 2:
         return {}
     planar = (
@@ -51,9 +56,6 @@ def summary(mesh: Mesh | StructuredGrid) -> dict[str, float]:
         ("mean shape", "shape", np.mean),
         ("worst scaled jacobian", "scaled_jacobian", np.min),
     )
-    highest = {kind: cells for kind, cells in mesh.cells.items() if CELL_TYPES[kind].dimension == mesh.dimension}
-    if list(highest) == ["triangle"] and (fast := _summary_of_triangles(mesh)):
-        return fast
     top = Mesh(mesh.points, highest)
     values = {label: (measure(top, name), reduce) for label, name, reduce in (planar if mesh.dimension == 2 else solid)}
     found = {label: (v[~np.isnan(v)], reduce) for label, (v, reduce) in values.items()}
@@ -66,11 +68,12 @@ def _summary_of_triangles(mesh: Mesh) -> dict[str, float]:
     cells = mesh.cells["triangle"]
     if not len(cells) or not kernels.summarise(mesh.points, cells, found):
         return {}
+    smallest, largest, ratios, worst = found.tolist()
     return {
-        "smallest angle (degree)": float(found[kernels.SMALLEST_ANGLE]),
-        "largest angle (degree)": float(found[kernels.LARGEST_ANGLE]),
-        "mean radius ratio": float(found[kernels.SUM_OF_RADIUS_RATIOS]) / len(cells),
-        "worst scaled jacobian": float(found[kernels.WORST_JACOBIAN]),
+        "smallest angle (degree)": smallest,
+        "largest angle (degree)": largest,
+        "mean radius ratio": ratios / len(cells),
+        "worst scaled jacobian": worst,
     }
 
 

@@ -32,6 +32,18 @@ def areas_kept(xy, origin, n_triangles, face, keep, area_limit):
 
 
 @kernel
+def common_limit(area_limit, keep):
+    """The limit of the faces that are kept if they have but one, else -1."""
+    found = -1.0
+    for f in range(len(keep)):
+        if keep[U(f)]:
+            if found >= 0.0 and area_limit[U(f)] != found:
+                return -1.0
+            found = area_limit[U(f)]
+    return found
+
+
+@kernel
 def sharp_end(xy, origin, e):
     """For a needle with the longest edge e, up to rounding, whether its tip is where e starts (0) or ends (1); else -1.
 
@@ -90,9 +102,11 @@ def number_corners(corners, order, source, vertex_at, number, kept):
     """Number the vertices with a triangle that stand for input points, in the order of these; mark others as `USED`.
 
     ``order`` is the point of the graph under each vertex that refinement has not added, ``source`` the input point
-    that this is, ascending, but -1 for points without. ``number`` and ``vertex_at``, of the length of ``source``, start
-    as `UNUSED`. ``kept`` gets the input points. The answers are how many these are, and how many vertices others.
+    that this is, ascending, but -1 for points without. ``vertex_at`` is as long as ``source``. ``kept`` gets the input
+    points. The answers are how many these are, and how many vertices others.
     """
+    number[:] = UNUSED
+    vertex_at[:] = UNUSED
     used = 0
     for t in range(len(corners)):
         for k in range(3):

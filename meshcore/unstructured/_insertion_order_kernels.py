@@ -224,6 +224,23 @@ def merge_equal(points, dimension, packed, merged, n):
 
 
 @kernel
+def number_rows(points, dimension, packed, box):
+    """Begin the sort: write the row of each point, and the bounding box."""
+    for i in range(len(points)):
+        packed[U(i)] = i
+    set_box(points, dimension, packed, 0, len(points), box)
+
+
+@kernel
+def sort_and_merge(points, dimension, table, key_bits, packed, other, counts, box, stack):
+    """Sort points that have keys, as finely as needed, and mark equal ones, listed in ``other``; return how many."""
+    n = len(packed)
+    sort_by_key(packed, other, key_bits, counts, 0, n)
+    split_runs(points, dimension, table, SHORT_KEY_BITS, packed, other, counts, box, stack, 0, n)
+    return merge_equal(points, dimension, packed, other, n)
+
+
+@kernel
 def round_of(row, last):
     """The round in which a point is inserted: the last with probability 1/2, the one before with 1/4, and so on.
 
@@ -241,8 +258,9 @@ def round_of(row, last):
 
 
 @kernel
-def write_order(packed, n, last_round, places, order):
-    """Write the rows of the points that are not merged, by rounds and within each along the curve."""
+def write_order(points, dimension, packed, last_round, places, order, coordinates):
+    """Write rows and coordinates of the points that are not merged, by rounds and within each along the curve."""
+    n = len(packed)
     places[: last_round + 2] = 0
     for i in range(n):
         if packed[U(i)] != _MERGED:
@@ -255,6 +273,7 @@ def write_order(packed, n, last_round, places, order):
             number = round_of(item & _ROW, last_round)
             order[U(places[number])] = np.int32(item & _ROW)
             places[number] += 1
+    gather(points, dimension, order, coordinates)
 
 
 @kernel

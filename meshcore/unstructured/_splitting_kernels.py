@@ -88,3 +88,12 @@ def mark_acute(xy, pieces, others, count, acute):
             else:
                 others[U(v), U(n)] = w
                 count[U(v)] = n + 1
+
+
+@kernel
+def mark_ends(pieces, others, ends, stands_on):
+    """Write the one number for vertices where pieces end, the other for the rest."""
+    stands_on[:] = others
+    for p in range(len(pieces)):
+        stands_on[U(pieces[U(p), U(0)])] = ends
+        stands_on[U(pieces[U(p), U(1)])] = ends

@@ -49,7 +49,7 @@ def assembled(
     points = np.concatenate([boundary.points[kept], plane.to_space(added)])
     triangles = np.empty(refinement.corners.shape, np.int64)
     kernels.renumber(refinement.corners, number, triangles)
-    mesh = Mesh(points, {"triangle": triangles}, cell_data={"region": refinement.tags})
+    mesh = Mesh.unchecked(points, {"triangle": triangles}, {"region": refinement.tags})
     report = Report(
         counts={
             "points": mesh.n_points,
@@ -72,8 +72,7 @@ def assembled(
 def _numbered(triangulation: ConstrainedTriangulation, refinement: Refinement):
     """Number in the mesh of each vertex; the input points that are used, in order; (k, 2) places of those added."""
     order, source = triangulation.triangulation.order, triangulation.graph.source
-    number = np.full(len(refinement.xy), kernels.UNUSED, np.int32)
-    vertex_at = np.full(len(source), kernels.UNUSED, np.int32)
+    number, vertex_at = np.empty(len(refinement.xy), np.int32), np.empty(len(source), np.int32)
     kept = np.empty(len(source), np.int64)
     n_kept, n_added = kernels.number_corners(refinement.corners, order, source, vertex_at, number, kept)
     added = np.empty((n_added, 2))

@@ -208,8 +208,7 @@ def levels(mesh: ConstrainedTriangulation) -> np.ndarray:
     """(n_faces,) int: 1 for faces inside by the even-odd rule, else 0."""
     if not len(mesh.pieces):
         return np.zeros(mesh.n_faces, np.int64)
-    left, right = mesh.faces_beside
-    return nesting_levels(mesh.pieces[:, :2].astype(np.int64), left, right, mesh.n_faces)
+    return nesting_levels(mesh.pieces, mesh.faces_beside, len(mesh.triangulation.order), mesh.n_faces)
 
 
 def loose_ends(graph: PlanarGraph) -> np.ndarray:

@@ -71,7 +71,8 @@ def delaunay_2d(
     nothing = np.empty(0, np.int32)
     cells = canonical_cells(origin, slots, order, nothing, nothing)
     counts = {"points": len(cloud), "triangles": len(cells), "duplicates": len(merged)}
-    return Result(Mesh(cloud, {"triangle": cells}), Report(counts=counts, warnings=_merged_warning(merged, kept)))
+    report = Report(counts=counts, warnings=_merged_warning(merged, kept))
+    return Result(Mesh.unchecked(cloud, {"triangle": cells}), report)
 
 
 def _merged_warning(merged: np.ndarray, kept: np.ndarray) -> list[str]:

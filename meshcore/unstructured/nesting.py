@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from collections import defaultdict, deque
-
 import numpy as np
 
-from ..mesh import topology
-
-BRIDGE = -1
+from . import _nesting_kernels as kernels
 
 
-def nesting_levels(edges: np.ndarray, left: np.ndarray, right: np.ndarray, n_faces: int) -> np.ndarray:
+def nesting_levels(edges: np.ndarray, sides: np.ndarray, n_vertices: int, n_faces: int) -> np.ndarray:
     """How many closed loops lie around each face, modulo two.
 
     Each block of the graph (edges that share cycles) counts as one loop. If all its vertices have an even number of its
@@ -20,12 +16,12 @@ def nesting_levels(edges: np.ndarray, left: np.ndarray, right: np.ndarray, n_fac
 
     Parameters
     ----------
-    edges : (m, 2) int
-        Ends of the edges.
-    left, right : (m,) int
+    edges : (m, 2) or more int
+        Ends of the edges, in the first two columns.
+    sides : (2, m) int
         The faces on either side; face 0 is the outside.
-    n_faces : int
-        Number of faces.
+    n_vertices, n_faces : int
+        Numbers of vertices and faces.
 
     Returns
     -------
@@ -37,89 +33,15 @@ def nesting_levels(edges: np.ndarray, left: np.ndarray, right: np.ndarray, n_fac
     A triangle within a triangle is a hole:
 
     >>> edges = np.array([[0, 1], [1, 2], [2, 0], [3, 4], [4, 5], [5, 3]])
-    >>> nesting_levels(edges, np.array([1, 1, 1, 2, 2, 2]), np.array([0, 0, 0, 1, 1, 1]), 3)
+    >>> nesting_levels(edges, np.array([[1, 1, 1, 2, 2, 2], [0, 0, 0, 1, 1, 1]]), 6, 3)
     array([0, 1, 0])
     """
-    block, is_even = _blocks(edges)
-    is_step = (left != right) & (block >= 0)
-    across: dict[int, list[tuple[int, int]]] = defaultdict(list)
-    for f, g, b in sorted(set(zip(*(of[is_step].tolist() for of in (left, right, block)), strict=True))):
-        across[f].append((g, b))
-        across[g].append((f, b))
-    level = np.full(n_faces, -1)
-    level[0] = 0
-    # A block is first met from the one face that surrounds it, since every way into it leads through that face.
-    around: dict[int, int] = {}
-    queue = deque([0])
-    while queue:
-        f = queue.popleft()
-        for _, b in across[f]:
-            around.setdefault(b, f)
-        for g, b in across[f]:
-            if level[g] < 0:
-                level[g] = level[f] ^ int(is_even[b] or around[b] in (f, g))
-                queue.append(g)
-    return np.maximum(level, 0)
-
-
-def _blocks(edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Number of the block of each edge, `BRIDGE` for edges on no cycle; and whether each block is even."""
-    n = int(edges.max()) + 1
-    component = topology.connected(edges, n)
-    n_components = int(component.max()) + 1
-    degree = np.bincount(edges.ravel(), minlength=n)
-    even = np.ones(n_components, bool)
-    even[component[degree % 2 == 1]] = False
-    block = component[edges[:, 0]].copy()  # an even component needs no parting: parity is right for it as a whole
-    rest = np.flatnonzero(~even[block])
-    is_even = [True] * n_components
-    if len(rest):
-        for members in _biconnected(edges[rest]):
-            if len(members) == 1:
-                block[rest[members]] = BRIDGE
-                continue
-            block[rest[members]] = len(is_even)
-            ends = edges[rest[members]].ravel()
-            is_even.append(bool((np.bincount(ends) % 2 == 0).all()))
-    return block, np.array(is_even)
-
-
-def _biconnected(edges: np.ndarray) -> list[list[int]]:
-    """Edges of each biconnected component (J. Hopcroft, R. Tarjan, CACM 16, 1973), without recursion."""
-    incident: dict[int, list[tuple[int, int]]] = defaultdict(list)
-    for number, (a, b) in enumerate(edges.tolist()):
-        incident[a].append((b, number))
-        incident[b].append((a, number))
-    depth: dict[int, int] = {}
-    lowest: dict[int, int] = {}
-    found: list[list[int]] = []
-    for root in incident:
-        if root in depth:
-            continue
-        depth[root] = lowest[root] = 0
-        path: list[int] = []  # edges of components not yet complete
-        walk = [(root, -1, iter(incident[root]))]
-        while walk:
-            vertex, entered, rest = walk[-1]
-            for other, number in rest:
-                if number == entered:
-                    continue
-                if other not in depth:
-                    depth[other] = lowest[other] = depth[vertex] + 1
-                    path.append(number)
-                    walk.append((other, number, iter(incident[other])))
-                    break
-                if depth[other] < depth[vertex]:
-                    path.append(number)
-                    lowest[vertex] = min(lowest[vertex], depth[other])
-            else:
-                walk.pop()
-                if walk:
-                    parent = walk[-1][0]
-                    lowest[parent] = min(lowest[parent], lowest[vertex])
-                    if lowest[vertex] >= depth[parent]:
-                        members = [path.pop()]
-                        while members[-1] != entered:
-                            members.append(path.pop())
-                        found.append(members)
-    return found
+    m = len(edges)
+    of_vertex = np.empty((kernels.VERTEX_ROWS, n_vertices + 1), np.int64)
+    path, block, both = np.empty(m, np.int64), np.empty(m, np.int64), np.empty(2 * m, np.int64)
+    is_even = np.empty(m, bool)
+    count = kernels.find_blocks(edges, of_vertex, both, path, block, is_even)
+    start, around = np.empty(n_faces + 1, np.int64), np.empty(count, np.int64)
+    queue, level = np.empty((2, n_faces), np.int64)
+    kernels.set_levels(sides, block, is_even, start, both, around, queue, level)
+    return level

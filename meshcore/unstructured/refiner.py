@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -99,23 +100,23 @@ class Refiner:
         self.mesh, self.domain, self.progress = mesh, domain, progress
         self.scale = 2.0**mesh.exponent
         self.size_field = size_field
-        self.cosine2 = np.cos(np.radians(min_angle)) ** 2 if min_angle > 0 else np.inf
         self.has_angle = min_angle > 0
+        self.cosine2, lens, height = _angle_limits(min_angle)
         unjudged = (size * self.scale) ** 2 if size * self.scale < _LONGEST else np.inf
-        height = 0.0 if placement == "circumcentre" else _off_centre(min_angle)
-        worst_first = float(placement == "circumcentre")
-        self.limits = np.array(
-            [self.cosine2, _lens(min_angle), height, unjudged, float(size_field is None), -1.0, worst_first]
-        )
+        circumcentres = placement == "circumcentre"
+        # Twice the area, as the kernel computes it.
+        self.area_limit = 2 * domain.max_area * self.scale**2
+        area = assembly_kernels.common_limit(self.area_limit, domain.keep)
+        height = 0.0 if circumcentres else height
+        self.limits = np.array([self.cosine2, lens, height, unjudged, size_field is None, area, circumcentres])
         self.estimate = max(expected_triangles(mesh, domain, size), float(mesh.triangulation.n_triangles))
         self._carve()
         if self.has_angle and split_boundary:
             self.estimate += self._between_near_lines(min_angle)
-        self._allocate()
         self.split_boundary = split_boundary
-        self._keep_lines()
         expected = int(_RESERVE * min(self.estimate, _MOST_RESERVED))
-        self.reserve(max(len(mesh.triangulation.order), expected // 2) + 1024, max(len(self.face), expected) + 1024)
+        self._allocate(max(len(mesh.triangulation.order), expected // 2) + 1024, max(len(mesh.face), expected) + 1024)
+        self._keep_lines()
 
     # ---- setting up
 
@@ -126,28 +127,24 @@ class Refiner:
             mesh.origin, mesh.twin, mesh.n_triangles, self.mesh.face, self.domain.keep, self.free
         )
 
-    def _allocate(self) -> None:
+    def _allocate(self, vertices: int, slots: int) -> None:
+        """Take over the triangulation's arrays, and make others, with room for so many vertices and triangles."""
         mesh = self.mesh.triangulation
         mesh.scratch.work = predicates.workspace()  # points that are added lie on no grid, even if the boundary's do
-        self.xy, self.origin, self.twin = mesh.xy, mesh.origin, mesh.twin
-        self.piece_of, self.face, self.pieces = self.mesh.piece_of, self.mesh.face, self.mesh.pieces
-        n = len(mesh.order)
-        capacity = len(self.origin) // 4
-        self.stands_on = np.full(n, kernels.FREE_VERTEX, np.int32)
-        self.stands_on[self.pieces[:, :2]] = kernels.INPUT_VERTEX
-        self.acute = acute_vertices(self.xy.reshape(-1, 2), self.pieces)
-        self.edge_limit = np.full(capacity, self.limits[3])
-        # Twice the area, as the kernel computes it.
-        self.area_limit = 2 * self.domain.max_area * self.scale**2
-        kept = self.area_limit[self.domain.keep]
-        self.limits[5] = kept[0] if (kept == kept[0]).all() else -1.0
-        self.head = np.full(kernels.BUCKETS, -1, np.int32)
-        self.tail = np.full(kernels.BUCKETS, -1, np.int32)
-        self.queue = np.empty(0, np.int32)
-        self.encroached = np.empty(0, np.int32)
+        self.acute = acute_vertices(mesh.xy.reshape(-1, 2), self.mesh.pieces)
+        self.xy, self.pieces = grown(mesh.xy, 2 * vertices), self.mesh.pieces
+        self.origin, self.twin, self.piece_of = (
+            grown(array, 4 * slots) for array in (mesh.origin, mesh.twin, self.mesh.piece_of)
+        )
+        self.face, self.free = grown(self.mesh.face, slots), grown(self.free, slots)
+        self.stands_on, self.edge_limit = np.empty(vertices, np.int32), np.empty(slots)
+        splitting_kernels.mark_ends(self.pieces, kernels.FREE_VERTEX, kernels.INPUT_VERTEX, self.stands_on)
+        self.forget_sizes()
+        self.head, self.tail = np.empty((2, kernels.BUCKETS), np.int32)
+        self.queue = self.encroached = np.empty(0, np.int32)
         self.state = np.zeros(kernels.STATE_SIZE, np.int64)
         self.state[kernels.TRIANGLES] = mesh.n_triangles
-        self.state[kernels.VERTICES] = n
+        self.state[kernels.VERTICES] = len(mesh.order)
         self.state[kernels.FREE] = self.n_free
 
     def _keep_lines(self) -> None:
@@ -383,17 +380,17 @@ def too_many(estimate: float, parameter: str) -> TooMany:
     )
 
 
-def _lens(min_angle: float) -> float:
-    """Squared cosine of the angle under which a point encroaches (Shewchuk 2002, section 3.4: diametral lenses).
+@functools.lru_cache(maxsize=64)
+def _angle_limits(min_angle: float) -> tuple[float, float, float]:
+    """Squared cosine of the smallest angle, of that under which a point encroaches, and the off-centre's height.
 
-    Without a smallest angle nothing does: the value is one that no cosine reaches.
+    Points encroach within diametral lenses (Shewchuk 2002, section 3.4). The height is above the shortest edge, per its
+    length; Triangle's factor 0.475 leaves a margin. Without a smallest angle no cosine reaches the limits.
     """
-    return float(np.cos(np.radians(2 * min_angle)) ** 2) if min_angle > 0 else 2.0
-
-
-def _off_centre(min_angle: float) -> float:
-    """Height of the off-centre above the shortest edge, per its length; Triangle's factor 0.475 leaves a margin."""
-    return float(0.475 / np.tan(np.radians(min_angle) / 2)) if min_angle > 0 else 0.0
+    if min_angle <= 0:
+        return np.inf, 2.0, 0.0
+    angle = np.radians(min_angle)
+    return float(np.cos(angle) ** 2), float(np.cos(2 * angle) ** 2), float(0.475 / np.tan(angle / 2))
 
 
 def acute_vertices(xy: np.ndarray, pieces: np.ndarray) -> np.ndarray:
