@@ -217,9 +217,12 @@ def faces_beside(origin, n_triangles, piece_of, pieces, face, sides):
 def first_lines(sides, pieces, line, keep, first):
     """Write the first input line beside each face, as `faces_beside` tells; -1 for faces without.
 
-    ``line`` is the input line under each segment. The answer is how many pieces have no face that is kept beside
-    them.
+    ``line`` is the input line under each segment. The answers are how many faces but the outer one are kept, and how
+    many pieces have no face that is kept beside them.
     """
+    kept = 0
+    for f in range(1, len(keep)):
+        kept += keep[U(f)]
     first[:] = -1
     outside = 0
     for p in range(len(pieces)):
@@ -230,7 +233,7 @@ def first_lines(sides, pieces, line, keep, first):
                 first[U(f)] = number
         if not (keep[U(sides[U(0), U(p)])] or keep[U(sides[U(1), U(p)])]):
             outside += 1
-    return outside
+    return kept, outside
 
 
 @kernel

@@ -46,7 +46,7 @@ def assembled(
         Vertices of the edges on lines, and the piece of each; the mesh gets them as "line" cells.
     """
     number, kept, added = _numbered(triangulation, refinement)
-    points = np.concatenate([boundary.points[kept], plane.to_space(added)])
+    points = np.concatenate([boundary.points.take(kept, axis=0), plane.to_space(added)])
     triangles = np.empty(refinement.corners.shape, np.int64)
     kernels.renumber(refinement.corners, number, triangles)
     mesh = Mesh.unchecked(points, {"triangle": triangles}, {"region": refinement.tags})

@@ -116,7 +116,7 @@ def constrained_delaunay(
         raise InvalidInput(f"needs a Mesh of line cells, got {type(boundary).__name__}", parameter="boundary")
     segments = boundary.get("line")
     used = used_points(boundary)
-    plane = fitted_plane(boundary.points[used], parameter="boundary")
+    plane = fitted_plane(boundary.points.take(used, axis=0), parameter="boundary")
     graph = planar_graph(plane.to_plane(boundary.points), segments, used, "boundary", may_lack_lines=keep == "hull")
     graph.line += first_line(boundary)
     marks = collected_seeds(boundary, holes, regions, plane, seeds)

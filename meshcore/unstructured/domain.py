@@ -168,12 +168,15 @@ def domain(mesh: ConstrainedTriangulation, seeds: Seeds, max_area: float, *, kee
             keep[region_faces[marked]] = True
     else:
         keep = np.ones(mesh.n_faces, bool)
-        keep[hole_faces[hole_faces >= 0]] = False
-    keep[0] &= keep_hull
-    if not keep.any():
-        _refuse(mesh)
+        if len(hole_faces):
+            keep[hole_faces[hole_faces >= 0]] = False
+    if not keep_hull:
+        keep[0] = False
     first = np.empty(mesh.n_faces, np.int64)
-    if queries.first_lines(mesh.faces_beside, mesh.pieces, mesh.graph.line, keep, first):
+    count, outside = queries.first_lines(mesh.faces_beside, mesh.pieces, mesh.graph.line, keep, first)
+    if not count and not keep[0]:
+        _refuse(mesh)
+    if outside:
         warnings.append(_lines_outside(mesh, keep))
     tag = np.zeros(mesh.n_faces, np.int64)
     limit = np.full(mesh.n_faces, max_area)
@@ -184,8 +187,10 @@ def domain(mesh: ConstrainedTriangulation, seeds: Seeds, max_area: float, *, kee
             warnings.append(f"region {marked[k]} lies in one part with a later one, so its tag {tags[k]} has no effect")
         np.minimum.at(limit, faces, seeds.max_areas[marked])
     else:  # the parts count from 1 by the first line beside each
-        kept = 1 + np.flatnonzero(keep[1:])
-        tag[kept[np.argsort(first[kept], kind="stable")] if len(kept) > 1 else kept] = np.arange(1, len(kept) + 1)
+        tag[1:] = keep[1:]
+        if count > 1:
+            kept = np.flatnonzero(tag)
+            tag[kept[np.argsort(first[kept], kind="stable")]] = np.arange(1, count + 1)
     return Domain(keep, tag, limit, warnings)
 
 

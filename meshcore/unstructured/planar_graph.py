@@ -68,7 +68,7 @@ def planar_graph(
     """
     if not len(lines) and not (may_lack_lines and len(used)):
         raise InvalidGeometry("has no line cells; give closed loops of lines", parameter=parameter)
-    clean = points[used]
+    clean = points.take(used, axis=0)
     same, largest = _merged(clean)
     if not (_SMALLEST < largest < _LARGEST or largest == 0):
         raise InvalidGeometry(
@@ -104,7 +104,7 @@ def planar_graph(
 def _first_of_each(keys: np.ndarray) -> np.ndarray | None:
     """Numbers of the keys that repeat no earlier one, in order; None if none does."""
     ordered = np.sort(keys)  # a plain sort is far faster than one that returns numbers, and mostly enough
-    if (ordered[1:] != ordered[:-1]).all():
+    if kernels.least_gap(ordered) > 0:
         return None
     return np.sort(np.unique(keys, return_index=True)[1])
 

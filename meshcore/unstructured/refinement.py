@@ -182,7 +182,7 @@ def delaunay_refinement(
         raise InvalidInput("must be greater than zero, got 0; leave it out for no limit", parameter="max_area")
     segments = boundary.get("line")
     used = used_points(boundary)
-    corners = boundary.points[used]
+    corners = boundary.points.take(used, axis=0)
     plane = fitted_plane(corners, parameter="boundary")
     graph = planar_graph(plane.to_plane(boundary.points), segments, used, "boundary")
     graph.line += first_line(boundary)

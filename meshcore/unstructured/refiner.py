@@ -360,8 +360,9 @@ def expected_triangles(mesh: ConstrainedTriangulation, domain: Domain, size: flo
         whole.xy, whole.origin, whole.n_triangles, mesh.face, domain.keep, 2 * domain.max_area * scale**2
     )
     by_area = shares / _AREA_BY_MAX_AREA
-    with np.errstate(divide="ignore", over="ignore"):  # squares of sizes below 1e-160 underflow
-        by_size = float(0.5 * area / (_AREA_BY_SIZE * np.square(min(size * scale, _LONGEST))))
+    edge = min(size * scale, _LONGEST)
+    smallest = _AREA_BY_SIZE * edge * edge  # which underflows for sizes below 1e-160
+    by_size = 0.5 * area / smallest if smallest > 0 else np.inf
     estimate = max(by_area, by_size)
     if estimate > MAX_TRIANGLES:
         raise too_many(estimate, "size" if by_size >= by_area else "max_area")
