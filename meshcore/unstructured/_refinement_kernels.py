@@ -6,6 +6,8 @@ The method is Ruppert's with Chew's lenses, Uengoer's off-centres, and Triangle'
   out, then too thin, the one with the shortest edge first;
 - a piece of a segment is encroached by a point that sees it under more than 180 degrees minus twice the smallest angle
   (a lens inside the diametral circle); nothing is inserted that encroaches, the piece is split instead;
+- before a piece is split, points that refinement has put into its diametral circle are taken out again: they are there
+  for triangles that the split makes anew (Chew's second algorithm), but not near acute corners, as in Triangle;
 - pieces that end at an acute input vertex are split at round distances from it, so that neighbours around the vertex
   agree (concentric shells, carried on along the whole piece);
 - a thin triangle whose shortest edge joins two segments at equal distance from their common end stays: the input's own
@@ -43,6 +45,7 @@ from ._half_edge_kernels import (
     side_of,
 )
 from ._splitting_kernels import split_place
+from ._vertex_deletion_kernels import delete_vertex
 
 # Places in the state shared by the kernels of this file, after those of the queue.
 STATE_SIZE = QUEUE_STATE + 9
@@ -329,6 +332,33 @@ def refine(
             piece = int(piece_of[U(own)])
             p = int(pieces[U(piece), 0])
             q = int(pieces[U(piece), 1])
+            if acute[U(p)] == 0 and acute[U(q)] == 0:
+                # Points inside that encroach go first, those of the input stay: the split will do without them (Chew).
+                e = -1
+                for side_of_own in range(2):
+                    f = own if side_of_own == 0 else int(twin[U(own)])
+                    if e < 0 and f >= 0:
+                        c = int(origin[U(previous_edge(f))])
+                        if c >= len(acute) and stands_on[U(c)] == FREE_VERTEX:
+                            dot = (xy[U(2 * a)] - xy[U(2 * c)]) * (xy[U(2 * b)] - xy[U(2 * c)])
+                            dot += (xy[U(2 * a + 1)] - xy[U(2 * c + 1)]) * (xy[U(2 * b + 1)] - xy[U(2 * c + 1)])
+                            if dot < 0.0:
+                                e = f
+                if e >= 0:
+                    pending, f = delete_vertex(
+                        e, xy, origin, twin, piece_of, free, state[FREE], cavity, stack, ring, ring_from, work
+                    )
+                    if pending > 0:
+                        own = f if e == own else own
+                        encroached[U(2 * state[ENCROACHED])] = own
+                        encroached[U(2 * state[ENCROACHED] + 1)] = origin[U(own)]
+                        state[ENCROACHED] += 1
+                        state[FREE] += 2
+                        state[INSERTIONS] -= 1
+                        if not uniform:
+                            for k in range(pending):
+                                edge_limit[U(int(cavity[U(k)]) >> 2)] = unjudged
+                        continue
             qx, qy = split_place(xy, a, b, p, q, acute[U(p)] != 0, acute[U(q)] != 0)
             behind = int(twin[U(own)])
             start = own & ~3
