@@ -9,7 +9,7 @@ section 7: concentric shells.
 import math
 
 from .._numba import kernel
-from ._half_edge_kernels import U
+from ._half_edge_kernels import CONSTRAINED, DEAD, U, is_constrained, next_edge, previous_edge
 
 # The cosine of 60 degrees, and a little more: angles of 60 degrees up to rounding are not acute.
 _HALF = 0.5 + 1e-15
@@ -63,31 +63,35 @@ def split_place(xy, a, b, p, q, acute_p, acute_q):
 
 
 @kernel
-def mark_acute(xy, pieces, others, count, acute):
-    """Write 1 for vertices where two pieces meet at less than 60 degrees; ``count`` starts as zeros, as does ``acute``.
-
-    Of seven pieces two do, so ``others``, the far ends of the pieces seen so far, needs six places a vertex.
-    """
-    for p in range(len(pieces)):
-        for end in range(2):
-            v = pieces[U(p), U(end)]
-            if acute[U(v)]:
+def mark_acute(xy, origin, twin, n_triangles, acute):
+    """Write 1 for vertices where two pieces meet at less than 60 degrees in live triangles, 0 for others."""
+    acute[:] = 0
+    for t in range(n_triangles):
+        if origin[U(4 * t + 3)] & DEAD or origin[U(4 * t + 3)] & CONSTRAINED == 0:
+            continue
+        for start in range(4 * t, 4 * t + 3):
+            v = int(origin[U(start)])
+            w = int(origin[U(next_edge(start))])
+            if is_constrained(origin, start) == 0 or acute[U(v)]:
                 continue
-            w = pieces[U(p), U(1 - end)]
             ux = xy[U(2 * w)] - xy[U(2 * v)]
             uy = xy[U(2 * w + 1)] - xy[U(2 * v + 1)]
-            n = int(count[U(v)])
-            for i in range(n):
-                o = others[U(v), U(i)]
-                vx = xy[U(2 * o)] - xy[U(2 * v)]
-                vy = xy[U(2 * o + 1)] - xy[U(2 * v + 1)]
-                if ux * vx + uy * vy > _HALF * math.sqrt(ux * ux + uy * uy) * math.sqrt(vx * vx + vy * vy):
-                    acute[U(v)] = 1
-            if n == 6:
-                acute[U(v)] = 1
-            else:
-                others[U(v), U(n)] = w
-                count[U(v)] = n + 1
+            # Counter-clockwise to the next piece, within half a turn and within what is meshed.
+            e = start
+            while True:
+                g = previous_edge(e)
+                x = int(origin[U(g)])
+                if x < 0:
+                    break
+                vx = xy[U(2 * x)] - xy[U(2 * v)]
+                vy = xy[U(2 * x + 1)] - xy[U(2 * v + 1)]
+                if ux * vy - uy * vx <= 0.0:
+                    break
+                if is_constrained(origin, g):
+                    if ux * vx + uy * vy > _HALF * math.sqrt(ux * ux + uy * uy) * math.sqrt(vx * vx + vy * vy):
+                        acute[U(v)] = 1
+                    break
+                e = int(twin[U(g)])
 
 
 @kernel

@@ -31,7 +31,7 @@ def conform(mesh: ConstrainedTriangulation, progress: Progress) -> tuple[int, in
     """
     base = mesh.triangulation
     n = len(base.order)
-    acute = acute_vertices(base.xy.reshape(-1, 2), mesh.pieces)
+    acute = acute_vertices(base)
     vertex_edge = np.empty(len(base.xy) // 2 + 1, np.int32)
     half_edge = mesh.constrained_half_edges
     half_edge = half_edge[half_edge < base.twin[half_edge]]

@@ -110,7 +110,7 @@ def filled(
     if not sites:
         return None
     sites = np.concatenate(sites)
-    acute = acute_vertices(mesh.triangulation.xy.reshape(-1, 2), mesh.pieces).astype(bool)
+    acute = acute_vertices(mesh.triangulation).astype(bool)
     whole = acute[mesh.pieces[:, 0]] | acute[mesh.pieces[:, 1]]
     if not len(sites) or (worthwhile and len(sites) < len(places) + len(points)):
         return None

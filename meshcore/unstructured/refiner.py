@@ -19,7 +19,7 @@ from .boundary_lines import edges_on_lines
 from .constrained import ConstrainedTriangulation
 from .domain import Domain
 from .smoothing import HalfEdges, smooth_in_place
-from .triangulation import grown
+from .triangulation import Triangulation, grown
 
 _STEPS_A_CHUNK = 20_000
 MAX_TRIANGLES = 50_000_000
@@ -131,7 +131,7 @@ class Refiner:
         """Take over the triangulation's arrays, and make others, with room for so many vertices and triangles."""
         mesh = self.mesh.triangulation
         mesh.scratch.work = predicates.workspace()  # points that are added lie on no grid, even if the boundary's do
-        self.acute = acute_vertices(mesh.xy.reshape(-1, 2), self.mesh.pieces)
+        self.acute = acute_vertices(mesh)
         self.xy, self.pieces = grown(mesh.xy, 2 * vertices), self.mesh.pieces
         self.origin, self.twin, self.piece_of = (
             grown(array, 4 * slots) for array in (mesh.origin, mesh.twin, self.mesh.piece_of)
@@ -394,8 +394,8 @@ def _angle_limits(min_angle: float) -> tuple[float, float, float]:
     return float(np.cos(angle) ** 2), float(np.cos(2 * angle) ** 2), float(0.475 / np.tan(angle / 2))
 
 
-def acute_vertices(xy: np.ndarray, pieces: np.ndarray) -> np.ndarray:
-    """(n,) uint8: 1 for vertices where two pieces meet at less than 60 degrees."""
-    acute, count = np.zeros((2, len(xy)), np.uint8)
-    splitting_kernels.mark_acute(xy.reshape(-1), pieces, np.empty((len(xy), 6), np.int32), count, acute)
+def acute_vertices(mesh: Triangulation) -> np.ndarray:
+    """(n,) uint8: 1 for vertices where two pieces of segments meet at less than 60 degrees in live triangles."""
+    acute = np.empty(len(mesh.order), np.uint8)
+    splitting_kernels.mark_acute(mesh.xy, mesh.origin, mesh.twin, mesh.n_triangles, acute)
     return acute

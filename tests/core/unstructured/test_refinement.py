@@ -10,8 +10,12 @@ from hypothesis import strategies as st
 import meshcore
 from meshcore import Cancelled, GenerationFailed, InvalidInput, Mesh, Relative, delaunay_refinement, quality
 from meshcore.gallery import circle, joined, l_shape, square, square_with_hole
+from meshcore.progress import silent
 from meshcore.sizing.size_field import graded
 from meshcore.unstructured import refiner
+from meshcore.unstructured.constrained import constrained
+from meshcore.unstructured.domain import Seeds, domain
+from meshcore.unstructured.planar_graph import planar_graph
 from tests.core.unstructured import invariants
 from tests.core.unstructured.planar_graphs import comb, frame_mesh, framed_segments, loop_lines, loops, star_polygons
 
@@ -460,8 +464,25 @@ def test_corners_are_acute_where_two_lines_meet_at_less_than_60_degrees(n_rays):
         for _ in range(20):
             angles = rng.permutation(np.sort(rng.uniform(0, 2 * np.pi, n_rays)))
             ends = scale * rng.uniform(0.1, 10, n_rays)[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
-            pieces = np.column_stack([np.zeros(n_rays), np.arange(1, n_rays + 1), np.arange(n_rays)]).astype(np.int32)
-            pieces[::2, :2] = pieces[::2, 1::-1]
-            found = refiner.acute_vertices(np.concatenate([np.zeros((1, 2)), ends]), pieces)
+            rays = np.column_stack([np.zeros(n_rays, int), np.arange(1, n_rays + 1)])
+            rays[::2] = rays[::2, ::-1]
+            triangulation = triangulated_graph(np.concatenate([np.zeros((1, 2)), ends]), rays).triangulation
+            found = refiner.acute_vertices(triangulation)[triangulation.vertex_of]
             between = np.abs((angles[:, None] - angles + np.pi) % (2 * np.pi) - np.pi)[np.triu_indices(n_rays, 1)]
             assert found[0] == (between.min() < np.pi / 3) and not found[1:].any()
+
+
+def triangulated_graph(points, lines):
+    graph = planar_graph(points, lines, np.arange(len(points)), "lines")
+    return constrained(graph, split_crossings=False, parameter="lines", progress=silent)
+
+
+@pytest.mark.parametrize("tip", [0.5, 1.5])
+def test_acute_corners_count_where_they_are_meshed(tip):
+    """A tooth cut out of a square, which is acute outside, and one that stands on it."""
+    points = np.array([[0, 0], [1, 0], [1, 1], [0.55, 1], [0.5, tip], [0.45, 1], [0, 1]])
+    mesh = triangulated_graph(points, np.array(loop_lines(7)))
+    parts = domain(mesh, Seeds(None, np.empty((0, 2)), np.empty(0, int), np.empty(0)), np.inf)
+    limits = {"min_angle": 20.0, "size": np.inf, "placement": "automatic", "split_boundary": True, "size_field": None}
+    acute = refiner.Refiner(mesh, parts, **limits, progress=silent).acute[mesh.triangulation.vertex_of]
+    assert np.flatnonzero(acute).tolist() == ([4] if tip > 1 else [])
