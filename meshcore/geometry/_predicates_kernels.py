@@ -23,6 +23,7 @@ import math
 import numpy as np
 
 from .._numba import kernel
+from ._machine_kernels import fma
 
 EPSILON = 2.0**-53
 # Stage A: |rounding error| <= bound * permanent, both as computed (Shewchuk, section 4.2 to 4.4, table 1 ff.:
@@ -36,7 +37,6 @@ INSPHERE_BOUND = (16 + 224 * EPSILON) * EPSILON
 # three sums), their product and three more sums: 4 * 5 + 8 * 3 = 44 units of u^2 of the permanent, and the permanent
 # itself is computed to a few u. 256 u^2 = 2^-98 leaves a factor above five.
 DOUBLE_DOUBLE_BOUND = 2.0**-98
-SPLITTER = 2.0**27 + 1
 
 # Places in the work array. First the permanents up to which the plain determinants of doubles are exact, since all
 # coordinates are multiples of one quantum (`predicates.workspace`); zero if there is none. A permanent of zero is
@@ -82,15 +82,9 @@ def fast_two_sum(a, b):
 
 @kernel
 def two_product(a, b):
-    """Product and its rounding error (theorems 17 and 18, due to Veltkamp and Dekker)."""
+    """Product and its rounding error, which is a double."""
     product = a * b
-    c = SPLITTER * a
-    a_high = c - (c - a)
-    a_low = a - a_high
-    c = SPLITTER * b
-    b_high = c - (c - b)
-    b_low = b - b_high
-    return product, a_low * b_low - (((product - a_high * b_high) - a_low * b_high) - a_high * b_low)
+    return product, fma(a, b, -product)
 
 
 # ---- stage B: double-double numbers
@@ -380,105 +374,122 @@ def quantum(numbers, largest, smallest):
     return 1.0 / inverse
 
 
-# ---- stage B without the tails of differences: points near each other have exact differences (Sterbenz)
+# ---- stage B written out, in pairs: a double and what it lacks, which need not be normalised
+#
+# A number X is a pair x, x' with |x'| <= c u P and |x + x' - X| <= d u^2 P, P the permanent: X with all signs positive.
+# By the operations below, up to terms of higher order (c_1 <= c_2 in a sum),
+#
+#     difference of doubles   c = 1                       d = 0
+#     sum                     c = c_2 + 1                 d = max(d_1, d_2) + 2 c_2 + 1
+#     product                 c = c_1 + c_2 + 1           d = d_1 + d_2 + c_1 c_2 + c_1 + 2 c_2 + 2
+#
+# which for orient3d, as it is written here, gives d = 56 and for insphere 258. Half of the bound's 512 is left for the
+# rounding of the permanent.
+PAIR_BOUND = 2.0**-97
 
 
 @kernel
-def _sum(a, a_low, b, b_low):
-    """Sum of two double-doubles to 3 u^2 (|a| + |b|): two roundings of at most u (u |a| + u |b|) in the low parts."""
-    high, error = two_sum(a, b)
-    return fast_two_sum(high, error + (a_low + b_low))
+def _difference(a, b):
+    """``a - b``, exactly."""
+    return two_sum(a, -b)
 
 
 @kernel
-def _times(a, a_low, b):
-    """Product of a double-double and a double to 3 u^2 (Joldes et al., algorithm 7)."""
-    high, error = two_product(a, b)
-    return fast_two_sum(high, error + a_low * b)
+def _sum(x, y):
+    """``x + y``."""
+    high, error = two_sum(x[0], y[0])
+    return high, error + (x[1] + y[1])
 
 
 @kernel
-def _product(a, a_low, b, b_low):
-    """Product of two double-doubles to 7 u^2 (Joldes et al., algorithm 10)."""
-    high, error = two_product(a, b)
-    return fast_two_sum(high, error + (a * b_low + a_low * b))
+def _product(x, y):
+    """``x y``."""
+    high = x[0] * y[0]
+    return high, fma(x[0], y[1], fma(x[1], y[0], fma(x[0], y[0], -high)))
+
+
+@kernel
+def _minus(x):
+    """``-x``."""
+    return -x[0], -x[1]
 
 
 @kernel
 def _cross(a, b, c, d):
-    """``a b - c d`` to 3 u^2."""
-    one, one_low = two_product(a, b)
-    other, other_low = two_product(c, d)
-    return _sum(one, one_low, -other, -other_low)
+    """``a b - c d``."""
+    return _sum(_product(a, b), _minus(_product(c, d)))
 
 
 @kernel
-def _square(x, y, z):
-    """``x^2 + y^2 + z^2`` to 6 u^2."""
-    one, one_low = two_product(x, x)
-    other, other_low = two_product(y, y)
-    one, one_low = _sum(one, one_low, other, other_low)
-    other, other_low = two_product(z, z)
-    return _sum(one, one_low, other, other_low)
+def _dot(x, y, z, a, b, c):
+    """``a x + b y + c z``."""
+    return _sum(_sum(_product(x, a), _product(y, b)), _product(z, c))
 
 
 @kernel
-def _dot(x, y, z, a, a_low, b, b_low, c, c_low):
-    """``a x + b y + c z`` for double-doubles a, b, c."""
-    one, one_low = _times(a, a_low, x)
-    other, other_low = _times(b, b_low, y)
-    one, one_low = _sum(one, one_low, other, other_low)
-    other, other_low = _times(c, c_low, z)
-    return _sum(one, one_low, other, other_low)
+def _orient3d_of_pairs(ax, ay, az, bx, by, bz, cx, cy, cz):
+    """The determinant of three differences."""
+    bc = _cross(bx, cy, by, cx)
+    ca = _cross(cx, ay, cy, ax)
+    ab = _cross(ax, by, ay, bx)
+    determinant = _dot(az, bz, cz, bc, ca, ab)
+    return determinant[0] + determinant[1]
 
 
 @kernel
-def _orient3d_of_edges(ax, ay, az, bx, by, bz, cx, cy, cz):
-    """The determinant of three exact differences, to about 12 u^2 of its permanent."""
-    bc, bc_low = _cross(bx, cy, by, cx)
-    ca, ca_low = _cross(cx, ay, cy, ax)
-    ab, ab_low = _cross(ax, by, ay, bx)
-    determinant, _ = _dot(az, bz, cz, bc, bc_low, ca, ca_low, ab, ab_low)
-    return determinant
-
-
-@kernel
-def _insphere_of_edges(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
-    """The determinant of four exact differences and their squares, to about 40 u^2 of its permanent."""
-    aw, aw_low = _square(ax, ay, az)
-    bw, bw_low = _square(bx, by, bz)
-    cw, cw_low = _square(cx, cy, cz)
-    dw, dw_low = _square(dx, dy, dz)
-    ab, ab_low = _cross(ax, by, ay, bx)
-    bc, bc_low = _cross(bx, cy, by, cx)
-    ca, ca_low = _cross(cx, ay, cy, ax)
-    # Minors of the columns z and lift.
-    abw, abw_low = _sum(*_times(bw, bw_low, az), *_times(aw, aw_low, -bz))
-    bcw, bcw_low = _sum(*_times(cw, cw_low, bz), *_times(bw, bw_low, -cz))
-    caw, caw_low = _sum(*_times(aw, aw_low, cz), *_times(cw, cw_low, -az))
+def _insphere_of_pairs(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
+    """The determinant of four differences and their squares."""
+    aw, bw = _dot(ax, ay, az, ax, ay, az), _dot(bx, by, bz, bx, by, bz)
+    cw, dw = _dot(cx, cy, cz, cx, cy, cz), _dot(dx, dy, dz, dx, dy, dz)
+    # Minors of the columns x and y, z and lift.
+    ab, abw = _cross(ax, by, ay, bx), _cross(az, bw, bz, aw)
+    bc, bcw = _cross(bx, cy, by, cx), _cross(bz, cw, cz, bw)
+    ca, caw = _cross(cx, ay, cy, ax), _cross(cz, aw, az, cw)
     # 3 x 3 minors, which are the cofactors of d.
-    x, x_low = _dot(ay, by, cy, bcw, bcw_low, caw, caw_low, abw, abw_low)
-    y, y_low = _dot(ax, bx, cx, bcw, bcw_low, caw, caw_low, abw, abw_low)
-    w, w_low = _dot(az, bz, cz, bc, bc_low, ca, ca_low, ab, ab_low)
-    z, z_low = _sum(*_product(aw, aw_low, bc, bc_low), *_product(bw, bw_low, ca, ca_low))
-    z, z_low = _sum(z, z_low, *_product(cw, cw_low, ab, ab_low))
-    determinant, low = _dot(-dx, dy, -dz, x, x_low, y, y_low, z, z_low)
-    determinant, low = _sum(determinant, low, *_product(dw, dw_low, w, w_low))
-    return determinant
+    x = _dot(ay, by, cy, bcw, caw, abw)
+    y = _dot(ax, bx, cx, bcw, caw, abw)
+    z = _dot(aw, bw, cw, bc, ca, ab)
+    w = _dot(az, bz, cz, bc, ca, ab)
+    determinant = _sum(_dot(_minus(dx), dy, _minus(dz), x, y, z), _product(dw, w))
+    return determinant[0] + determinant[1]
 
 
-# ---- the proof that a determinant of exact differences is zero, by residues: on grids it often is
+# ---- the sign of a determinant of differences that are integers, but for a power of two, by residues: exact
 #
-# Differences that are multiples of one power of two become integers below 2^56. If stage B left a determinant of degree
-# d and P terms below its bound, the integer determinant is below 2^-98 P 2^(56 d): 2^189 for insphere (P = 72, d = 5),
-# 2^73 for orient3d (P = 6, d = 3). It is zero if its residues are, to moduli without a common factor whose product is
-# larger: 2^64, which is what machine integers do by themselves, and 2^k - 1 for k = 31, 30, 29, 23, 19 (together
-# above 2^195; gcd(2^i - 1, 2^j - 1) = 2^gcd(i, j) - 1), where 2^k = 1: the upper bits are added to the lower k.
+# Differences that are multiples of one power of two become integers up to 2^60. If stage B left a determinant of degree
+# d and P terms below its bound, the integer determinant is below 2 * 2^-97 P 2^(60 d): 2^210.2 for insphere (P = 72,
+# d = 5), 2^86.6 for orient3d (P = 6, d = 3). Its residues tell it, to moduli without a common factor whose product is
+# more than four times that: 2^64, which is what machine integers do by themselves, and 2^k - 1 for k = 17, 19, 23, 29,
+# 30, 31 (together above 2^212.9; gcd(2^i - 1, 2^j - 1) = 2^gcd(i, j) - 1), where 2^k = 1: the upper bits are added to
+# the lower k. orient3d takes 2^64 and 2^31 - 1 only.
 
-_INTEGER_BITS = 56
-_MODULI = np.array([31, 30, 29, 23, 19], np.uint64)
+_INTEGER_BITS = 60
+_MODULUS_BITS = np.array([17, 19, 23, 29, 30, 31], np.uint64)
+_MODULI = np.array([2**17 - 1, 2**19 - 1, 2**23 - 1, 2**29 - 1, 2**30 - 1, 2**31 - 1], np.uint64)
+_INVERSES = np.array([[pow(int(m), -1, int(n)) if m < n else 0 for n in [*_MODULI, 2**64]] for m in _MODULI], np.uint64)
+_DIGITS = _MINORS  # their place in the work array
 _U = np.uint64
 _ONE = np.uint64(1)
+
+
+@kernel
+def _sign_of_residues(work, first, last):
+    """A number with the sign of the integer of these residues, those to `_MODULI` from ``first`` on in the work array.
+
+    Mixed radix digits (Garner 1959; Knuth, volume 2, 4.3.2), ``last`` to 2^64 being the highest: it tells the sign.
+    """
+    some = last != 0
+    for j in range(first, len(_MODULI)):
+        some = some or work[_DIGITS + j] != 0.0
+    if not some:
+        return 0.0
+    for j in range(first, len(_MODULI)):
+        digit = _U(work[_DIGITS + j])
+        for i in range(first, j):
+            digit = (digit + (_MODULI[j] - _U(work[_DIGITS + i]))) * _INVERSES[i, j] % _MODULI[j]
+        work[_DIGITS + j] = digit
+        last = (last - digit) * _INVERSES[j, len(_MODULI)]
+    return np.float64(np.int64(last)) + 0.5
 
 
 @kernel
@@ -490,9 +501,9 @@ def _folded(x, k):
 
 @kernel
 def _residue(x, k):
-    """The residue of an integer below 2^57 in magnitude."""
+    """The residue of an integer below 2^61 in magnitude."""
     modulus = (_ONE << k) - _ONE
-    return _folded(_folded(_U(x + np.int64(modulus << (_U(58) - k))), k), k)
+    return _folded(_folded(_U(x + np.int64(modulus << (_U(62) - k))), k), k)
 
 
 @kernel
@@ -532,22 +543,27 @@ def _square_times(x, y, z, factor, k):
 @kernel
 def _as_integer(x, scale):
     """A difference as an integer, and 0 if it is one, else 1."""
-    scaled = x * scale
-    return np.int64(scaled), 0 if scaled == np.floor(scaled) else 1
+    high, low = x[0] * scale, x[1] * scale
+    return np.int64(high) + np.int64(low), 0 if high == np.floor(high) and low == np.floor(low) else 1
 
 
 @kernel
 def _integer_scale(largest):
-    """The power of two that brings the largest difference below 2^56."""
+    """The power of two that brings the largest difference below 2^60."""
     _, exponent = math.frexp(largest)
     return math.ldexp(1.0, _INTEGER_BITS - exponent)
 
 
 @kernel
-def _orient3d_is_zero(ax, ay, az, bx, by, bz, cx, cy, cz):
-    """Whether a determinant of exact differences that stage B could not tell from zero is zero; False if unknown."""
-    largest = max(max(abs(ax), abs(ay), abs(az)), max(abs(bx), abs(by), abs(bz)), max(abs(cx), abs(cy), abs(cz)))
-    scale = _integer_scale(largest)
+def _largest(x, y, z):
+    """The largest magnitude."""
+    return max(abs(x[0]), abs(y[0]), abs(z[0]))
+
+
+@kernel
+def _orient3d_of_integers(work, ax, ay, az, bx, by, bz, cx, cy, cz):
+    """The sign of a determinant that stage B could not tell from zero; NaN if unknown."""
+    scale = _integer_scale(max(_largest(ax, ay, az), _largest(bx, by, bz), _largest(cx, cy, cz)))
     ax, rest_1 = _as_integer(ax, scale)
     ay, rest_2 = _as_integer(ay, scale)
     az, rest_3 = _as_integer(az, scale)
@@ -558,19 +574,21 @@ def _orient3d_is_zero(ax, ay, az, bx, by, bz, cx, cy, cz):
     cy, rest_8 = _as_integer(cy, scale)
     cz, rest_9 = _as_integer(cz, scale)
     if rest_1 + rest_2 + rest_3 + rest_4 + rest_5 + rest_6 + rest_7 + rest_8 + rest_9 > 0:
-        return False
-    if _determinant3(ax, ay, az, bx, by, bz, cx, cy, cz) != 0:
-        return False
-    k = _MODULI[0]
-    found = _determinant3_residue(
-        _residue(ax, k), _residue(ay, k), _residue(az, k), _residue(bx, k), _residue(by, k), _residue(bz, k),
-        _residue(cx, k), _residue(cy, k), _residue(cz, k), k,
+        return math.nan
+    j = len(_MODULI) - 1
+    k = _MODULUS_BITS[j]
+    work[_DIGITS + j] = (
+        _determinant3_residue(
+            _residue(ax, k), _residue(ay, k), _residue(az, k), _residue(bx, k), _residue(by, k), _residue(bz, k),
+            _residue(cx, k), _residue(cy, k), _residue(cz, k), k,
+        )
+        % _MODULI[j]
     )  # fmt: skip
-    return found % ((_ONE << k) - _ONE) == 0
+    return _sign_of_residues(work, j, _U(_determinant3(ax, ay, az, bx, by, bz, cx, cy, cz)))
 
 
 @kernel
-def _insphere_is_zero(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, largest):
+def _insphere_of_integers(work, ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, largest):
     """The same for a determinant with squares."""
     scale = _integer_scale(largest)
     ax, rest_1 = _as_integer(ax, scale)
@@ -586,19 +604,11 @@ def _insphere_is_zero(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, largest):
     dy, rest_11 = _as_integer(dy, scale)
     dz, rest_12 = _as_integer(dz, scale)
     if rest_1 + rest_2 + rest_3 + rest_4 + rest_5 + rest_6 > 0:
-        return False
+        return math.nan
     if rest_7 + rest_8 + rest_9 + rest_10 + rest_11 + rest_12 > 0:
-        return False
-    determinant = (
-        (dx * dx + dy * dy + dz * dz) * _determinant3(ax, ay, az, bx, by, bz, cx, cy, cz)
-        - (cx * cx + cy * cy + cz * cz) * _determinant3(ax, ay, az, bx, by, bz, dx, dy, dz)
-        + (bx * bx + by * by + bz * bz) * _determinant3(ax, ay, az, cx, cy, cz, dx, dy, dz)
-        - (ax * ax + ay * ay + az * az) * _determinant3(bx, by, bz, cx, cy, cz, dx, dy, dz)
-    )
-    if determinant != 0:
-        return False
-    for k in _MODULI:
-        modulus = (_ONE << k) - _ONE
+        return math.nan
+    for j in range(len(_MODULI)):
+        k = _MODULUS_BITS[j]
         px, py, pz = _residue(ax, k), _residue(ay, k), _residue(az, k)
         qx, qy, qz = _residue(bx, k), _residue(by, k), _residue(bz, k)
         rx, ry, rz = _residue(cx, k), _residue(cy, k), _residue(cz, k)
@@ -607,10 +617,15 @@ def _insphere_is_zero(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, largest):
         without_b = _square_times(qx, qy, qz, _determinant3_residue(px, py, pz, rx, ry, rz, sx, sy, sz, k), k)
         without_c = _square_times(rx, ry, rz, _determinant3_residue(px, py, pz, qx, qy, qz, sx, sy, sz, k), k)
         without_d = _square_times(sx, sy, sz, _determinant3_residue(px, py, pz, qx, qy, qz, rx, ry, rz, k), k)
-        found = without_d + without_b + (_U(8) * modulus - without_a - without_c)
-        if found % modulus != 0:
-            return False
-    return True
+        found = without_d + without_b + (_U(8) * _MODULI[j] - without_a - without_c)
+        work[_DIGITS + j] = found % _MODULI[j]
+    determinant = (
+        (dx * dx + dy * dy + dz * dz) * _determinant3(ax, ay, az, bx, by, bz, cx, cy, cz)
+        - (cx * cx + cy * cy + cz * cz) * _determinant3(ax, ay, az, bx, by, bz, dx, dy, dz)
+        + (bx * bx + by * by + bz * bz) * _determinant3(ax, ay, az, cx, cy, cz, dx, dy, dz)
+        - (ax * ax + ay * ay + az * az) * _determinant3(bx, by, bz, cx, cy, cz, dx, dy, dz)
+    )
+    return _sign_of_residues(work, 0, _U(determinant))
 
 
 # ---- the predicates
@@ -692,7 +707,7 @@ def incircle(ax, ay, bx, by, cx, cy, dx, dy, work):
 
 @kernel
 def orient3d_exact(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, work):
-    """`orient3d` where stage A fails: by the quantum, with exact differences, or by stages B and C."""
+    """`orient3d` where stage A fails: by the quantum, by stage B in pairs, residues, or stages B and C."""
     adx, ady, adz = ax - dx, ay - dy, az - dz
     bdx, bdy, bdz = bx - dx, by - dy, bz - dz
     cdx, cdy, cdz = cx - dx, cy - dy, cz - dz
@@ -702,15 +717,17 @@ def orient3d_exact(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, work):
     permanent = (abs(bc) + abs(cb)) * abs(adz) + (abs(ca) + abs(ac)) * abs(bdz) + (abs(ab) + abs(ba)) * abs(cdz)
     if permanent <= work[EXACT_ORIENT3D]:
         return -(adz * (bc - cb) + bdz * (ca - ac) + cdz * (ab - ba))
-    tails = max(abs(two_sum(ax, -dx)[1]), abs(two_sum(ay, -dy)[1]), abs(two_sum(az, -dz)[1]))
-    tails = max(tails, abs(two_sum(bx, -dx)[1]), abs(two_sum(by, -dy)[1]), abs(two_sum(bz, -dz)[1]))
-    tails = max(tails, abs(two_sum(cx, -dx)[1]), abs(two_sum(cy, -dy)[1]), abs(two_sum(cz, -dz)[1]))
-    if tails == 0.0:
-        determinant = _orient3d_of_edges(adx, ady, adz, bdx, bdy, bdz, cdx, cdy, cdz)
-        if abs(determinant) > DOUBLE_DOUBLE_BOUND * permanent:
-            return -determinant
-        if _orient3d_is_zero(adx, ady, adz, bdx, bdy, bdz, cdx, cdy, cdz):
-            return 0.0
+    rows = (
+        _difference(ax, dx), _difference(ay, dy), _difference(az, dz),
+        _difference(bx, dx), _difference(by, dy), _difference(bz, dz),
+        _difference(cx, dx), _difference(cy, dy), _difference(cz, dz),
+    )  # fmt: skip
+    determinant = _orient3d_of_pairs(*rows)
+    if abs(determinant) > PAIR_BOUND * permanent:
+        return -determinant
+    determinant = _orient3d_of_integers(work, *rows)
+    if not math.isnan(determinant):
+        return -determinant
     _set_entry(work, 0, 0, ax, dx)
     _set_entry(work, 0, 1, ay, dy)
     _set_entry(work, 0, 2, az, dz)
@@ -744,24 +761,22 @@ def orient3d(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, work):
 
 @kernel
 def insphere_exact(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, ex, ey, ez, work):
-    """`insphere` where stage A fails: with exact differences, or by stages B and C."""
-    aex, aey, aez = ax - ex, ay - ey, az - ez
-    bex, bey, bez = bx - ex, by - ey, bz - ez
-    cex, cey, cez = cx - ex, cy - ey, cz - ez
-    dex, dey, dez = dx - ex, dy - ey, dz - ez
-    tails = max(abs(two_sum(ax, -ex)[1]), abs(two_sum(ay, -ey)[1]), abs(two_sum(az, -ez)[1]))
-    tails = max(tails, abs(two_sum(bx, -ex)[1]), abs(two_sum(by, -ey)[1]), abs(two_sum(bz, -ez)[1]))
-    tails = max(tails, abs(two_sum(cx, -ex)[1]), abs(two_sum(cy, -ey)[1]), abs(two_sum(cz, -ez)[1]))
-    tails = max(tails, abs(two_sum(dx, -ex)[1]), abs(two_sum(dy, -ey)[1]), abs(two_sum(dz, -ez)[1]))
-    if tails == 0.0:
-        largest = max(max(abs(aex), abs(aey), abs(aez)), max(abs(bex), abs(bey), abs(bez)))
-        largest = max(largest, max(abs(cex), abs(cey), abs(cez)), max(abs(dex), abs(dey), abs(dez)))
-        determinant = _insphere_of_edges(aex, aey, aez, bex, bey, bez, cex, cey, cez, dex, dey, dez)
-        # The permanent has 24 terms with three squares each.
-        if abs(determinant) > DOUBLE_DOUBLE_BOUND * 72.0 * (largest * largest) * (largest * largest) * largest:
-            return -determinant
-        if _insphere_is_zero(aex, aey, aez, bex, bey, bez, cex, cey, cez, dex, dey, dez, largest):
-            return 0.0
+    """`insphere` where stage A fails: by stage B in pairs, residues, or stages B and C."""
+    rows = (
+        _difference(ax, ex), _difference(ay, ey), _difference(az, ez),
+        _difference(bx, ex), _difference(by, ey), _difference(bz, ez),
+        _difference(cx, ex), _difference(cy, ey), _difference(cz, ez),
+        _difference(dx, ex), _difference(dy, ey), _difference(dz, ez),
+    )  # fmt: skip
+    largest = max(_largest(rows[0], rows[1], rows[2]), _largest(rows[3], rows[4], rows[5]))
+    largest = max(largest, _largest(rows[6], rows[7], rows[8]), _largest(rows[9], rows[10], rows[11]))
+    determinant = _insphere_of_pairs(*rows)
+    # The permanent has 24 terms with three squares each.
+    if abs(determinant) > PAIR_BOUND * 72.0 * (largest * largest) * (largest * largest) * largest:
+        return -determinant
+    determinant = _insphere_of_integers(work, *rows, largest)
+    if not math.isnan(determinant):
+        return -determinant
     _set_entry(work, 0, 0, ax, ex)
     _set_entry(work, 0, 1, ay, ey)
     _set_entry(work, 0, 2, az, ez)

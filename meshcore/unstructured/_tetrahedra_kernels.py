@@ -228,20 +228,18 @@ def _corners_of_a_box(five):
 
     Corners of a box are cospherical however they were rounded, and stretching an axis keeps orientations.
     """
-    for k in range(3):
-        low = five[k]
-        high = low
-        for j in range(1, 5):
-            value = five[3 * j + k]
-            if value != low and value != high:
-                if low != high:
-                    return False
-                low, high = min(low, value), max(low, value)
+    two = True
     for k in range(3):
         low = min(min(min(five[k], five[3 + k]), min(five[6 + k], five[9 + k])), five[12 + k])
+        high = max(max(max(five[k], five[3 + k]), max(five[6 + k], five[9 + k])), five[12 + k])
         for j in range(5):
-            five[3 * j + k] = 0.0 if five[3 * j + k] == low else 1.0
-    return True
+            two &= (five[3 * j + k] == low) | (five[3 * j + k] == high)  # without branches, which nobody could predict
+    if two:
+        for k in range(3):
+            low = min(min(min(five[k], five[3 + k]), min(five[6 + k], five[9 + k])), five[12 + k])
+            for j in range(5):
+                five[3 * j + k] = 0.0 if five[3 * j + k] == low else 1.0
+    return two
 
 
 @kernel

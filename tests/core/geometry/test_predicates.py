@@ -110,6 +110,47 @@ def shape_of(name):
     return POINTS[name], DIMENSION[name]
 
 
+def with_products_of_roundings(count):
+    """(k, 5, 3): cospherical sites of a grid whose coordinates are rounded."""
+    rng = np.random.default_rng(12)
+    sites = rng.integers(0, 4, (count, 5, 3))
+    tests = np.linspace(0, 1, 46)[sites + rng.integers(0, 40, (count, 1, 3))]
+    return tests[naive.insphere(sites.astype(float)) == 0]
+
+
+def with_tiny_volumes(count):
+    """(count, 4, 3): whole coordinates around 2^50, and a volume of -1, 0 or 1 sixth."""
+    rng = np.random.default_rng(14)
+    tests = np.zeros((count, 4, 3))
+    for k in range(count):
+        rows = np.diag([1, 1, int(rng.integers(-1, 2))]).astype(object)
+        while abs(rows).max() < 2**44:
+            i, j = rng.permutation(3)[:2]
+            rows[i] += int(rng.integers(-255, 256)) * rows[j]
+            rows[:, j] += int(rng.integers(-7, 8)) * rows[:, i]
+        tests[k, :3] = rows
+    return tests
+
+
+@pytest.mark.parametrize(
+    ("name", "degree", "terms", "tests"),
+    [("orient3d", 3, 6, with_tiny_volumes(300)), ("insphere", 5, 72, with_products_of_roundings(40_000))],
+    ids=["orient3d", "insphere"],
+)
+def test_residues_tell_signs_that_stage_b_cannot(name, degree, terms, tests):
+    of_pairs, of_integers = getattr(kernels, f"_{name}_of_pairs"), getattr(kernels, f"_{name}_of_integers")
+    work = predicates.workspace()
+    found = {-1: 0, 0: 0, 1: 0}
+    for test, sign in zip(tests, getattr(naive, name)(tests), strict=True):
+        rows = [kernels._difference(a, b) for point in test[:-1] for a, b in zip(point, test[-1], strict=True)]
+        largest = max(abs(row[0]) for row in rows)
+        if abs(of_pairs(*rows)) <= kernels.PAIR_BOUND * terms * largest**degree:
+            by_residues = of_integers(work, *rows, *([largest] if name == "insphere" else []))
+            assert np.sign(-by_residues) == sign or np.isnan(by_residues)
+            found[sign] += not np.isnan(by_residues)
+    assert min(found.values()) > 20, f"cases are not mixed: {found}"
+
+
 @each_predicate
 def test_swapping_two_points_turns_the_sign(name):
     """Two corners swapped negate every predicate; the last point of incircle and insphere is no corner."""
