@@ -23,7 +23,7 @@ import math
 import numpy as np
 
 from .._numba import kernel
-from ._machine_kernels import fma
+from ._machine_kernels import fma, sign_of_insphere, sign_of_orient3d
 
 EPSILON = 2.0**-53
 # Stage A: |rounding error| <= bound * permanent, both as computed (Shewchuk, section 4.2 to 4.4, table 1 ff.:
@@ -454,90 +454,13 @@ def _insphere_of_pairs(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
     return determinant[0] + determinant[1]
 
 
-# ---- the sign of a determinant of differences that are integers, but for a power of two, by residues: exact
+# ---- the sign of a determinant of differences that are integers, but for a power of two: exact
 #
-# Differences that are multiples of one power of two become integers up to 2^60. If stage B left a determinant of degree
-# d and P terms below its bound, the integer determinant is below 2 * 2^-97 P 2^(60 d): 2^210.2 for insphere (P = 72,
-# d = 5), 2^86.6 for orient3d (P = 6, d = 3). Its residues tell it, to moduli without a common factor whose product is
-# more than four times that: 2^64, which is what machine integers do by themselves, and 2^k - 1 for k = 17, 19, 23, 29,
-# 30, 31 (together above 2^212.9; gcd(2^i - 1, 2^j - 1) = 2^gcd(i, j) - 1), where 2^k = 1: the upper bits are added to
-# the lower k. orient3d takes 2^64 and 2^31 - 1 only.
+# On grids and on lines up to rounding most determinants that stage B cannot tell are zero, or products of rounding
+# errors. Differences that are multiples of one power of two become integers up to 2^60 and a low part; then integers of
+# five words are several times faster than expansions.
 
 _INTEGER_BITS = 60
-_MODULUS_BITS = np.array([17, 19, 23, 29, 30, 31], np.uint64)
-_MODULI = np.array([2**17 - 1, 2**19 - 1, 2**23 - 1, 2**29 - 1, 2**30 - 1, 2**31 - 1], np.uint64)
-_INVERSES = np.array([[pow(int(m), -1, int(n)) if m < n else 0 for n in [*_MODULI, 2**64]] for m in _MODULI], np.uint64)
-_DIGITS = _MINORS  # their place in the work array
-_U = np.uint64
-_ONE = np.uint64(1)
-
-
-@kernel
-def _sign_of_residues(work, first, last):
-    """A number with the sign of the integer of these residues, those to `_MODULI` from ``first`` on in the work array.
-
-    Mixed radix digits (Garner 1959; Knuth, volume 2, 4.3.2), ``last`` to 2^64 being the highest: it tells the sign.
-    """
-    some = last != 0
-    for j in range(first, len(_MODULI)):
-        some = some or work[_DIGITS + j] != 0.0
-    if not some:
-        return 0.0
-    for j in range(first, len(_MODULI)):
-        digit = _U(work[_DIGITS + j])
-        for i in range(first, j):
-            digit = (digit + (_MODULI[j] - _U(work[_DIGITS + i]))) * _INVERSES[i, j] % _MODULI[j]
-        work[_DIGITS + j] = digit
-        last = (last - digit) * _INVERSES[j, len(_MODULI)]
-    return np.float64(np.int64(last)) + 0.5
-
-
-@kernel
-def _folded(x, k):
-    """x modulo 2^k - 1, not quite reduced: at most 2^k + 2 for x below 2^(2 k + 2)."""
-    x = (x & ((_ONE << k) - _ONE)) + (x >> k)
-    return (x & ((_ONE << k) - _ONE)) + (x >> k)
-
-
-@kernel
-def _residue(x, k):
-    """The residue of an integer below 2^61 in magnitude."""
-    modulus = (_ONE << k) - _ONE
-    return _folded(_folded(_U(x + np.int64(modulus << (_U(62) - k))), k), k)
-
-
-@kernel
-def _cross_residue(a, b, c, d, k):
-    """``a b - c d``; the multiple of the modulus that is added keeps it positive."""
-    modulus = (_ONE << k) - _ONE
-    return _folded(_folded(a * b, k) + (_U(4) * modulus - _folded(c * d, k)), k)
-
-
-@kernel
-def _dot_residue(x, y, z, a, b, c, k):
-    """``a x + b y + c z``."""
-    return _folded(_folded(a * x, k) + _folded(b * y, k) + _folded(c * z, k), k)
-
-
-@kernel
-def _determinant3(ax, ay, az, bx, by, bz, cx, cy, cz):
-    """Modulo 2^64, for integers."""
-    return az * (bx * cy - by * cx) + bz * (cx * ay - cy * ax) + cz * (ax * by - ay * bx)
-
-
-@kernel
-def _determinant3_residue(ax, ay, az, bx, by, bz, cx, cy, cz, k):
-    """Modulo 2^k - 1, for residues."""
-    bc = _cross_residue(bx, cy, by, cx, k)
-    ca = _cross_residue(cx, ay, cy, ax, k)
-    ab = _cross_residue(ax, by, ay, bx, k)
-    return _dot_residue(az, bz, cz, bc, ca, ab, k)
-
-
-@kernel
-def _square_times(x, y, z, factor, k):
-    """``(x^2 + y^2 + z^2) factor``."""
-    return _folded(_dot_residue(x, y, z, x, y, z, k) * factor, k)
 
 
 @kernel
@@ -561,8 +484,8 @@ def _largest(x, y, z):
 
 
 @kernel
-def _orient3d_of_integers(work, ax, ay, az, bx, by, bz, cx, cy, cz):
-    """The sign of a determinant that stage B could not tell from zero; NaN if unknown."""
+def _orient3d_of_integers(ax, ay, az, bx, by, bz, cx, cy, cz):
+    """The sign of the determinant of three differences; NaN if they are no integers."""
     scale = _integer_scale(max(_largest(ax, ay, az), _largest(bx, by, bz), _largest(cx, cy, cz)))
     ax, rest_1 = _as_integer(ax, scale)
     ay, rest_2 = _as_integer(ay, scale)
@@ -575,20 +498,11 @@ def _orient3d_of_integers(work, ax, ay, az, bx, by, bz, cx, cy, cz):
     cz, rest_9 = _as_integer(cz, scale)
     if rest_1 + rest_2 + rest_3 + rest_4 + rest_5 + rest_6 + rest_7 + rest_8 + rest_9 > 0:
         return math.nan
-    j = len(_MODULI) - 1
-    k = _MODULUS_BITS[j]
-    work[_DIGITS + j] = (
-        _determinant3_residue(
-            _residue(ax, k), _residue(ay, k), _residue(az, k), _residue(bx, k), _residue(by, k), _residue(bz, k),
-            _residue(cx, k), _residue(cy, k), _residue(cz, k), k,
-        )
-        % _MODULI[j]
-    )  # fmt: skip
-    return _sign_of_residues(work, j, _U(_determinant3(ax, ay, az, bx, by, bz, cx, cy, cz)))
+    return np.float64(sign_of_orient3d(ax, ay, az, bx, by, bz, cx, cy, cz))
 
 
 @kernel
-def _insphere_of_integers(work, ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, largest):
+def _insphere_of_integers(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, largest):
     """The same for a determinant with squares."""
     scale = _integer_scale(largest)
     ax, rest_1 = _as_integer(ax, scale)
@@ -607,25 +521,7 @@ def _insphere_of_integers(work, ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, 
         return math.nan
     if rest_7 + rest_8 + rest_9 + rest_10 + rest_11 + rest_12 > 0:
         return math.nan
-    for j in range(len(_MODULI)):
-        k = _MODULUS_BITS[j]
-        px, py, pz = _residue(ax, k), _residue(ay, k), _residue(az, k)
-        qx, qy, qz = _residue(bx, k), _residue(by, k), _residue(bz, k)
-        rx, ry, rz = _residue(cx, k), _residue(cy, k), _residue(cz, k)
-        sx, sy, sz = _residue(dx, k), _residue(dy, k), _residue(dz, k)
-        without_a = _square_times(px, py, pz, _determinant3_residue(qx, qy, qz, rx, ry, rz, sx, sy, sz, k), k)
-        without_b = _square_times(qx, qy, qz, _determinant3_residue(px, py, pz, rx, ry, rz, sx, sy, sz, k), k)
-        without_c = _square_times(rx, ry, rz, _determinant3_residue(px, py, pz, qx, qy, qz, sx, sy, sz, k), k)
-        without_d = _square_times(sx, sy, sz, _determinant3_residue(px, py, pz, qx, qy, qz, rx, ry, rz, k), k)
-        found = without_d + without_b + (_U(8) * _MODULI[j] - without_a - without_c)
-        work[_DIGITS + j] = found % _MODULI[j]
-    determinant = (
-        (dx * dx + dy * dy + dz * dz) * _determinant3(ax, ay, az, bx, by, bz, cx, cy, cz)
-        - (cx * cx + cy * cy + cz * cz) * _determinant3(ax, ay, az, bx, by, bz, dx, dy, dz)
-        + (bx * bx + by * by + bz * bz) * _determinant3(ax, ay, az, cx, cy, cz, dx, dy, dz)
-        - (ax * ax + ay * ay + az * az) * _determinant3(bx, by, bz, cx, cy, cz, dx, dy, dz)
-    )
-    return _sign_of_residues(work, 0, _U(determinant))
+    return np.float64(sign_of_insphere(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz))
 
 
 # ---- the predicates
@@ -707,7 +603,7 @@ def incircle(ax, ay, bx, by, cx, cy, dx, dy, work):
 
 @kernel
 def orient3d_exact(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, work):
-    """`orient3d` where stage A fails: by the quantum, by stage B in pairs, residues, or stages B and C."""
+    """`orient3d` where stage A fails: by the quantum, by stage B in pairs, in integers, or by stages B and C."""
     adx, ady, adz = ax - dx, ay - dy, az - dz
     bdx, bdy, bdz = bx - dx, by - dy, bz - dz
     cdx, cdy, cdz = cx - dx, cy - dy, cz - dz
@@ -725,7 +621,7 @@ def orient3d_exact(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, work):
     determinant = _orient3d_of_pairs(*rows)
     if abs(determinant) > PAIR_BOUND * permanent:
         return -determinant
-    determinant = _orient3d_of_integers(work, *rows)
+    determinant = _orient3d_of_integers(*rows)
     if not math.isnan(determinant):
         return -determinant
     _set_entry(work, 0, 0, ax, dx)
@@ -761,7 +657,7 @@ def orient3d(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, work):
 
 @kernel
 def insphere_exact(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, ex, ey, ez, work):
-    """`insphere` where stage A fails: by stage B in pairs, residues, or stages B and C."""
+    """`insphere` where stage A fails: by stage B in pairs, in integers, or by stages B and C."""
     rows = (
         _difference(ax, ex), _difference(ay, ey), _difference(az, ez),
         _difference(bx, ex), _difference(by, ey), _difference(bz, ez),
@@ -774,7 +670,7 @@ def insphere_exact(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, ex, ey, ez, w
     # The permanent has 24 terms with three squares each.
     if abs(determinant) > PAIR_BOUND * 72.0 * (largest * largest) * (largest * largest) * largest:
         return -determinant
-    determinant = _insphere_of_integers(work, *rows, largest)
+    determinant = _insphere_of_integers(*rows, largest)
     if not math.isnan(determinant):
         return -determinant
     _set_entry(work, 0, 0, ax, ex)
