@@ -101,21 +101,16 @@ def write_rows(corners, row_of_rank, rows, first, last):
 
 
 @kernel
-def cell_numbers(cells, found, rank, starts, corners, numbers):
-    """Write the canonical number of each of the finite cells ``found``, or -1 where it is negative or a ghost."""
-    for i in range(len(found)):
-        numbers[i] = -1
-        t = np.int64(found[i])
-        if t < 0 or cells[U(16 * t + 3)] < 0:
-            continue
-        a, b, c, _ = canonical(cells, rank, t)
-        low = np.int64(starts[U(a - 1)]) if a > 0 else 0
-        high = np.int64(starts[U(a)])
-        while low < high:
-            middle = (low + high) // 2
-            second = corners[U(4 * middle + 1)]
-            if second < b or (second == b and corners[U(4 * middle + 2)] < c):
-                low = middle + 1
-            else:
-                high = middle
-        numbers[i] = low
+def number_of(cells, t, rank, starts, corners):
+    """The canonical number of a finite cell."""
+    a, b, c, _ = canonical(cells, rank, t)
+    low = np.int64(starts[U(a - 1)]) if a > 0 else 0
+    high = np.int64(starts[U(a)])
+    while low < high:
+        middle = (low + high) // 2
+        second = corners[U(4 * middle + 1)]
+        if second < b or (second == b and corners[U(4 * middle + 2)] < c):
+            low = middle + 1
+        else:
+            high = middle
+    return low

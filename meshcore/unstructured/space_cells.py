@@ -18,6 +18,17 @@ MAX_CELLS = 2**28 - 1
 MAX_POINTS = int(MAX_CELLS / _CELLS_A_POINT) - 1024
 
 
+def extended(buffer: np.ndarray, used: int, more: np.ndarray) -> np.ndarray:
+    """A buffer with ``more`` after its first ``used`` entries: itself, or one twice as long if it has no room."""
+    n = used + len(more)
+    if n > len(buffer):
+        longer = np.empty((max(n, 2 * len(buffer)), *buffer.shape[1:]), buffer.dtype)
+        longer[:used] = buffer[:used]
+        buffer = longer
+    buffer[used:n] = more
+    return buffer
+
+
 class Lists:
     """What one thread needs while it inserts points; its cells are those from ``state[NEXT]`` to ``state[END]``."""
 
@@ -25,10 +36,14 @@ class Lists:
         self.state = np.zeros(kernels.STATE_SIZE, np.int64)
         self.state[layout.FREE] = -1
         self.limits = np.zeros(layout.LIMITS_SIZE)
+        self.edges = np.empty(kernels.SMALL**2, np.int32)
+        self.set_limits(quantum, extent)
+        self.grow(size)
+
+    def set_limits(self, quantum: float, extent: float) -> None:
+        """Set up the filters of the predicates."""
         layout.set_limits(self.limits, extent)
         self.work = predicates.workspace(quantum)
-        self.edges = np.empty(kernels.SMALL**2, np.int32)
-        self.grow(size)
 
     def grow(self, size: int = 0) -> None:
         """Make room for larger cavities; between two points nothing is kept in the lists."""
@@ -124,18 +139,17 @@ class SpaceCells:
         self.lists.state[layout.END] = capacity
 
     def append(self, points: np.ndarray, rows: np.ndarray, quantum: float, extent: float) -> None:
-        """Add vertices, (4 * k,) coordinates and rows, that are yet to be inserted."""
+        """Add vertices, (4 * k,) coordinates and rows, that are yet to be inserted; takes time for them only."""
         used = self.n_vertices
-        self.points = np.concatenate([self.points[: 4 * used], points])
-        self.rows = np.concatenate([self.rows[:used], rows])
+        self.points = extended(self.points, 4 * used, points)
+        self.rows = extended(self.rows, used, rows)
         self.n_vertices += len(rows)
-        self.place = np.zeros(self.n_vertices + 1, np.int32)
+        if len(self.place) <= self.n_vertices:
+            self.place = np.zeros(2 * self.n_vertices + 1, np.int32)
         if len(self.cell_of):
             self.cell_of = np.concatenate([self.cell_of[:used], np.full(len(rows), -1, np.int32)])
         self.quantum, self.extent = quantum, extent
-        state = self.state
-        self.lists = Lists(quantum, extent, len(self.lists.cavity))
-        self.lists.state[:] = state
+        self.lists.set_limits(quantum, extent)
 
     def map_vertices(self) -> np.ndarray:
         """``cell_of``, made at the first call; insertion keeps it from then on."""
@@ -143,16 +157,6 @@ class SpaceCells:
             self.cell_of = np.empty(self.n_vertices, np.int32)
             queries.map_vertices(self.cells, self.n_cells, self.cell_of)
         return self.cell_of
-
-    def copied(self) -> SpaceCells:
-        """A triangulation that can be changed without changing this one."""
-        copy = object.__new__(SpaceCells)
-        copy.__dict__.update(self.__dict__)
-        copy.lists = Lists(self.quantum, self.extent, len(self.lists.cavity))
-        copy.lists.state[:] = self.state
-        copy._set_capacity(self.capacity, self.n_cells)
-        copy.cell_of = self.cell_of.copy()
-        return copy
 
     # ---- what later rooms stand on
 

@@ -157,7 +157,8 @@ def insert(space: SpaceCells, todo: np.ndarray, threads: int, progress: Progress
     Returns
     -------
     fate : (number of vertices,) int32
-        For each inserted vertex the older one at its place, or -1; the former is then no corner of any cell.
+        For each inserted vertex the older one at its place, or -1; the former is then no corner of any cell. Nothing
+        for other vertices.
 
     Raises
     ------
@@ -167,9 +168,10 @@ def insert(space: SpaceCells, todo: np.ndarray, threads: int, progress: Progress
         If ``progress`` asks for it; the triangulation is whole then, but lacks points.
     """
     n = len(todo)
-    fate = np.full(space.n_vertices, -1, np.int32)
+    fate = np.empty(space.n_vertices, np.int32)
+    fate[todo] = -1
     if threads > 1:
-        alone = min(n, max(int(_FIRST_ALONE * n), 4 * _POINTS_A_CHUNK))
+        alone = min(n, max(int(_FIRST_ALONE * n), _POINTS_A_CHUNK))
         _insert_alone(space, todo[:alone], fate, part_of(progress, 0.0, alone / max(n, 1)))
         todo = todo[alone:]
         for attempt in range(_PARTITIONS):
@@ -321,27 +323,3 @@ def _next_range(space: SpaceCells, lists: Lists) -> bool:
         return False
     layout.take_range(space.cells, lists.state, space.state, size)
     return True
-
-
-def locate(space: SpaceCells, points: np.ndarray) -> np.ndarray:
-    """(k,) int32: for each of (k, 3) scaled points a finite cell that holds it, or a ghost if it is outside."""
-    n, k = space.n_vertices, len(points)
-    along_the_curve = insertion_order(points, 3, rounds=False)
-    records = np.zeros((n + k, 4))
-    records[:n] = space.points.reshape(-1, 4)[:n]
-    records[n:, :3] = points
-    lists = Lists(predicates.quantum_of(records[:, :3].copy()), extent_of(records[:, :3]))
-    lists.state[layout.HINT] = space.state[layout.HINT]
-    found = np.full(n + k, -1, np.int32)
-    arguments = list(
-        _arguments(space, lists, n + along_the_curve.rows, _NOTHING, found, np.empty(0, np.uint8), kernels.ANY, 0)
-    )
-    arguments[0] = records.ravel()
-    status = layout.MORE if k else layout.DONE
-    while status == layout.MORE:
-        status = kernels.insert_points(*arguments, kernels.LOCATE, _POINTS_A_CHUNK)
-    if status != layout.DONE:
-        raise GenerationFailed("a point was not found in the triangulation; please report the points")
-    found = found[n:]
-    found[along_the_curve.merged] = found[along_the_curve.kept]
-    return found

@@ -13,14 +13,15 @@ from ..geometry.location import Location
 from ..mesh import Mesh
 from ..progress import Progress, part_of, silent
 from . import _tetrahedra_export_kernels as export_kernels
+from . import _tetrahedra_kernels as layout
+from . import _tetrahedra_location_kernels as location_kernels
 from .insertion_order import insertion_order
-from .space_cells import SpaceCells
+from .space_cells import SpaceCells, extended
 from .space_insertion import (
     extent_of,
     in_ranges,
     in_rounds,
     insert,
-    locate,
     number_of_threads,
     safe_exponent,
     space_order,
@@ -88,7 +89,9 @@ class Tetrahedralization:
     def __init__(self, points: np.ndarray, space: SpaceCells, merged: np.ndarray, kept: np.ndarray, exponent: int):
         self.points = points
         self.merged, self.kept = merged, kept
-        self._space = space
+        self._buffer = points  # begins with the points, and may have room for more
+        self._box = _box_of(points)
+        self._space: SpaceCells | None = space
         self._exponent = exponent
         self._threads = 1
         self._by_curve = True  # vertices are numbered as they would be if all points were given now
@@ -124,7 +127,7 @@ class Tetrahedralization:
         Mesh(4 points, 1 tetra)
         """
         threads = checked_threads(threads)
-        points = _coordinates(points)
+        points = _coordinates(points).copy()
         exponent = safe_exponent(points)
         order = space_order(_scaled(points, exponent), part_of(progress, 0.0, 0.1))
         space = SpaceCells(order.points, order.rows, order.first, order.quantum, order.extent)
@@ -159,31 +162,47 @@ class Tetrahedralization:
         (Mesh(6 points, 2 tetra), [5], [1])
         """
         threads = checked_threads(threads)
-        more = _coordinates(points)
-        together = np.concatenate([self.points, more])
-        exponent = safe_exponent(together)
+        more, n_old = _coordinates(points), len(self.points)
+        if not len(more):
+            return
+        buffer = extended(self._buffer, n_old, more)
+        together = buffer[: n_old + len(more)]
+        exponent = 0 if self._exponent == 0 and predicates.is_safe(more) else safe_exponent(together)
         if exponent != self._exponent:  # other limits of magnitude: filters and cached spheres would not fit
             fresh = self.from_points(together, threads=threads, progress=progress)
+            self.__dict__.clear()
             self.__dict__.update(fresh.__dict__)
             return
-        scaled = _scaled(together, exponent)
-        order = insertion_order(scaled[len(self.points) :], 3, rounds=False, progress=part_of(progress, 0.0, 0.1))
+        box = _box_of(np.concatenate([self._box, more]))
+        scaled = _scaled(more, exponent)
+        order = insertion_order(scaled, 3, rounds=False, progress=part_of(progress, 0.0, 0.1))
         records = np.zeros((len(order.rows), 4))
         records[:, :3] = order.coordinates.reshape(-1, 3)
-        old, n_old = self._space, len(self.points)
-        space = old.copied()
-        space.append(records.ravel(), order.rows + np.int32(n_old), predicates.quantum_of(scaled), extent_of(scaled))
-        todo = in_rounds(len(order.rows)) + np.int32(old.n_vertices)
-        fate = insert(space, todo, number_of_threads(threads, len(order.rows)), part_of(progress, 0.1, 1.0))
+        space = self._cells()
+        quantum, extent = min(space.quantum, predicates.quantum_of(scaled)), extent_of(_scaled(box, exponent))
+        vertices = np.arange(space.n_vertices, space.n_vertices + len(order.rows), dtype=np.int32)
+        todo = vertices[in_rounds(len(vertices))]
+        self._space = None  # if the work is broken off, the points there were are triangulated anew when asked for
+        space.append(records.ravel(), order.rows + np.int32(n_old), quantum, extent)
+        fate = insert(space, todo, number_of_threads(threads, len(vertices)), part_of(progress, 0.1, 1.0))[vertices]
+        self._space = space
         doubled = np.flatnonzero(fate >= 0)
-        stays = np.arange(len(together))
-        stays[self.merged] = self.kept
-        stays[space.rows[doubled]] = space.rows[fate[doubled]]
-        stays[n_old + order.merged] = stays[n_old + order.kept]
-        self.merged = np.flatnonzero(stays != np.arange(len(together)))
-        self.kept = stays[self.merged]
-        self.points, self._space, self._by_curve = together, space, False
+        stays = np.arange(n_old, len(together))
+        stays[order.rows[doubled]] = space.rows[fate[doubled]]
+        stays[order.merged] = stays[order.kept]
+        moved = np.flatnonzero(stays != np.arange(n_old, len(together)))
+        self.merged = np.concatenate([self.merged, n_old + moved])
+        self.kept = np.concatenate([self.kept, stays[moved]])
+        self.points, self._buffer, self._box, self._by_curve = together, buffer, box, False
         self.__dict__.pop("_canonical", None)
+
+    def _cells(self) -> SpaceCells:
+        """The triangulation; made anew if the last `add` was broken off."""
+        if self._space is None:
+            self._space = self.from_points(self.points, threads=self._threads)._space
+            self._by_curve = True
+            self.__dict__.pop("_canonical", None)
+        return self._space
 
     def mesh(self) -> Mesh:
         """The tetrahedra as a mesh on all points, in an order that depends on the points only.
@@ -198,7 +217,7 @@ class Tetrahedralization:
         >>> Tetrahedralization.from_points([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]).mesh().cells["tetra"]
         array([[1, 0, 3, 2]])
         """
-        return Mesh(self.points, {"tetra": self._canonical.rows(self._threads)})
+        return Mesh(self.points.copy(), {"tetra": self._canonical.rows(self._threads)})
 
     def locate(self, points: Any) -> Location:
         """The cell that holds each of some points.
@@ -211,8 +230,9 @@ class Tetrahedralization:
         Returns
         -------
         Location
-            ``cell``, (k,) int, is the number of a cell of `mesh` that holds the point, -1 outside the convex hull;
-            decided exactly, but for coordinates below about 1e-48 of the points' extent, which count as zero.
+            ``cell``, (k,) int, is the number of the cell of `mesh` that holds the point, the lowest if it lies between
+            several, -1 outside the convex hull; decided exactly, but for coordinates below about 1e-48 of the points'
+            extent, which count as zero.
             ``barycentric``, (k, 4) float, are weights of its corners, of sum 1 and not below zero but for rounding;
             nan outside.
 
@@ -224,17 +244,28 @@ class Tetrahedralization:
         """
         asked = _coordinates(points)
         numbers = np.full(len(asked), -1, np.int64)
-        low, high = self.points.min(axis=0), self.points.max(axis=0)
+        low, high = self._box
         near = np.flatnonzero(((asked >= low) & (asked <= high)).all(axis=1))
         scaled = _scaled(asked[near], self._exponent)
         scaled[np.abs(scaled) < _NEGLIGIBLE] = 0.0
-        space, canonical = self._space, self._canonical
-        found = np.empty(len(near), np.int64)
-        export_kernels.cell_numbers(
-            space.cells, locate(space, scaled), canonical.rank, canonical.starts, canonical.corners, found
-        )
-        numbers[near] = found
+        numbers[near] = self._numbers_at(scaled)
         return Location(numbers, self._weights(numbers, asked))
+
+    def _numbers_at(self, places: np.ndarray) -> np.ndarray:
+        """(k,) int: the lowest-numbered cells that hold scaled places, -1 outside."""
+        space = self._cells()
+        canonical = self._canonical
+        along_the_curve = insertion_order(places, 3, rounds=False)
+        numbers, order = np.empty(len(places), np.int64), along_the_curve.rows
+        marks, found, done = np.zeros(space.n_cells, np.int32), np.empty(64, np.int32), 0
+        while done < len(order):
+            done = location_kernels.locate(
+                space.points, space.cells, places, order, done, space.state[layout.HINT], canonical.rank,
+                canonical.starts, canonical.corners, marks, found, numbers, predicates.workspace(),
+            )  # fmt: skip
+            marks, found = np.zeros(space.n_cells, np.int32), np.empty(4 * len(found), np.int32)
+        numbers[along_the_curve.merged] = numbers[along_the_curve.kept]
+        return numbers
 
     def _weights(self, numbers: np.ndarray, asked: np.ndarray) -> np.ndarray:
         """(k, 4) float: barycentric coordinates of points in cells, NaN where the number is negative."""
@@ -251,7 +282,8 @@ class Tetrahedralization:
 
     @cached_property
     def _canonical(self) -> _Canonical:
-        space, n = self._space, self._space.n_vertices
+        space = self._cells()
+        n = space.n_vertices
         rank, row_of_rank = np.empty(0, np.int32), space.rows[:n]
         if not self._by_curve:
             row_of_rank = insertion_order(_scaled(self.points, self._exponent), 3, rounds=False).rows
@@ -279,6 +311,11 @@ class Tetrahedralization:
 def _coordinates(points: Any) -> np.ndarray:
     """(n, 3) float: the points of a mesh, or of an array that is checked like one's."""
     return (points if isinstance(points, Mesh) else Mesh(points, {})).points
+
+
+def _box_of(points: np.ndarray) -> np.ndarray:
+    """(2, 3) float: lower and upper corner."""
+    return np.array([[axis.min() for axis in points.T], [axis.max() for axis in points.T]])
 
 
 def _scaled(points: np.ndarray, exponent: int) -> np.ndarray:

@@ -8,7 +8,7 @@ from hypothesis.extra.numpy import arrays
 
 from meshcore import Cancelled, InvalidGeometry, InvalidInput, Mesh, Tetrahedralization, delaunay_3d
 from meshcore.unstructured import space_insertion
-from tests import naive_delaunay, point_sets
+from tests import naive, naive_delaunay, point_sets
 from tests.core.unstructured import delaunay_checks
 
 
@@ -106,6 +106,78 @@ def test_located_points_lie_in_their_cells():
     corners = triangulation.points[triangulation.mesh().cells["tetra"][cell[inside]]]
     assert weights[inside].min() >= -1e-12
     assert np.allclose(np.einsum("ij,ijk->ik", weights[inside], corners), asked[inside])
+
+
+@pytest.mark.parametrize("name", ["integer_grid", "octahedra", "uniform"])
+def test_between_cells_the_lowest_is_located(name):
+    """Places on corners, edges and facets, whatever the walk came by; with more at one place than a list takes."""
+    rng = np.random.default_rng(6)
+    triangulation = Tetrahedralization.from_points(point_sets.SPACE[name](64, 3, rng))
+    mesh = triangulation.mesh()
+    cells = rng.permutation(mesh.cells["tetra"])[:30]
+    corners = np.round(8 * mesh.points[cells]) / 8 if name != "uniform" else mesh.points[cells]
+    asked = np.concatenate([corners[:, 0], corners[:, :2].mean(axis=1), corners[:, [0, 1, 2, 2]].mean(axis=1)])
+    expected, _ = naive.located(mesh.points, mesh.cells["tetra"], asked)
+    assert triangulation.locate(asked).cell.tolist() == expected
+    assert triangulation.locate(asked[::-1]).cell.tolist() == expected[::-1]
+
+
+def test_a_corner_of_many_cells_is_located():
+    """The hub of a ball: more cells than the list has room for at first."""
+    ball = point_sets.sphere(300, 3, np.random.default_rng(8))
+    triangulation = Tetrahedralization.from_points(np.concatenate([ball, np.zeros((1, 3))]))
+    cells = triangulation.mesh().cells["tetra"]
+    assert (cells == 300).any(axis=1).sum() > 500
+    lowest = np.flatnonzero((cells == 300).any(axis=1))[0]
+    assert triangulation.locate([[0, 0, 0], [0, 0, 0.1], [0, 0, 0]]).cell[[0, 2]].tolist() == [lowest, lowest]
+
+
+def test_the_caller_may_change_his_points():
+    points = np.random.default_rng(3).random((50, 3))
+    triangulation = Tetrahedralization.from_points(points)
+    before = triangulation.mesh()
+    more = points[:5] + 0.01
+    triangulation.add(more)
+    for array in (points, more, before.points):
+        array[:] = 7.0
+    after = triangulation.mesh()
+    delaunay_checks.assert_delaunay(after.points, after.cells["tetra"])
+    assert after.points.max() < 2.0
+
+
+def test_adding_takes_no_copy_of_what_is_there():
+    """Cost in proportion to what is added: all large buffers stay where they are, once they have room."""
+    rng = np.random.default_rng(3)
+    triangulation = Tetrahedralization.from_points(rng.random((2000, 3)))
+    triangulation.add(rng.random((1, 3)))
+    space = triangulation._space
+    names = ("points", "rows", "cells", "planes", "place")
+    buffers = [triangulation._buffer, *(getattr(space, name) for name in names)]
+    for _ in range(20):
+        triangulation.add(rng.random((3, 3)))
+    assert triangulation._space is space
+    for buffer, now in zip(buffers, [triangulation._buffer, *(getattr(space, name) for name in names)], strict=True):
+        assert buffer is now
+    delaunay_checks.assert_delaunay(triangulation.points, triangulation.mesh().cells["tetra"])
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_adding_that_is_broken_off_adds_nothing(threads, small_chunks):
+    rng = np.random.default_rng(7)
+    points, more = rng.random((300, 3)), rng.random((400, 3))
+    triangulation = Tetrahedralization.from_points(points)
+    triangulation.add(points[:5] + 0.01)
+    before = triangulation.mesh().cells["tetra"]
+    triangulation.locate(points)
+    with pytest.raises(Cancelled):
+        triangulation.add(more, threads=threads, progress=lambda fraction, message: fraction < 0.5)
+    assert np.array_equal(triangulation.mesh().cells["tetra"], before)
+    assert np.array_equal(
+        (before[triangulation.locate(points).cell] == np.arange(300)[:, None]).sum(axis=1), np.ones(300)
+    )
+    triangulation.add(more, threads=threads)
+    expected = Tetrahedralization.from_points(np.concatenate([points, points[:5] + 0.01, more]))
+    assert np.array_equal(triangulation.mesh().cells["tetra"], expected.mesh().cells["tetra"])
 
 
 def test_repeated_points_are_reported():

@@ -275,16 +275,3 @@ def test_many_replacements_reuse_cells(cloud):
         assert space.replace(finite(space), two)[0] == layout.DONE
         assert space.replace(finite(space), three)[0] == layout.DONE
     assert space.n_cells < 20
-
-
-def test_a_copy_is_changed_alone():
-    space = built(np.random.default_rng(2).random((40, 3)))
-    cells, state = records(space).copy(), space.state.copy()
-    copy = space.copied()
-    t = next(t for t in live(copy) if records(copy)[t, 3] >= 0)
-    status, _ = copy.replace([t], [records(copy)[t, :4]])
-    copy.compact()
-    assert status == layout.DONE
-    assert (records(space) == cells).all() and (space.state == state).all()
-    assert_sound(space)
-    assert_sound(copy)
