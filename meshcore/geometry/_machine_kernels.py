@@ -1,11 +1,10 @@
-"""What numba has no name for: products rounded once, arrays that are not counted, integers of any width."""
+"""What numba has no name for: a product and a sum rounded once, and the signs of determinants of integers."""
 
 from numba import types
-from numba.core import cgutils
+from numba.core.cgutils import ir
 from numba.extending import intrinsic
 
 _WORD = 64
-ir = cgutils.ir
 
 
 @intrinsic
@@ -16,22 +15,6 @@ def fma(typing_context, a, b, c):
         return builder.fma(*arguments)
 
     return types.float64(types.float64, types.float64, types.float64), codegen
-
-
-@intrinsic
-def borrowed(typing_context, array):
-    """The same array without an owner: handing it on to kernels costs no atomic counting, 5 ns each time and way.
-
-    The owner must outlive it: for use on the arguments of a kernel, within it.
-    """
-
-    def codegen(context, builder, signature, arguments):
-        view = cgutils.create_struct_proxy(signature.return_type)(context, builder, arguments[0])
-        for owner in ("meminfo", "parent"):
-            setattr(view, owner, cgutils.get_null_value(getattr(view, owner).type))
-        return view._getvalue()
-
-    return array(array), codegen
 
 
 class _Integer:
@@ -87,8 +70,20 @@ def sign_of_orient3d(typing_context, ax, ay, az, bx, by, bz, cx, cy, cz):
 
 
 @intrinsic
+def sign_of_incircle(typing_context, ax, ay, bx, by, cx, cy):
+    """The same of rows of two with their squared lengths: below 2^248, in 256 bits."""
+
+    def codegen(context, builder, signature, arguments):
+        numbers = [_Integer(builder, value) for value in arguments]
+        rows = [(x, y, x * x + y * y) for x, y in zip(numbers[::2], numbers[1::2], strict=True)]
+        return _determinant(*rows).sign()
+
+    return types.int64(*[types.int64] * 6), codegen
+
+
+@intrinsic
 def sign_of_insphere(typing_context, ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz):
-    """The same of four rows with their squared lengths: below 2^312, in 320 bits."""
+    """The same of four rows of three with their squared lengths: below 2^312, in 320 bits."""
 
     def codegen(context, builder, signature, arguments):
         a, b, c, d = _rows(builder, arguments)

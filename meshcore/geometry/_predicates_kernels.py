@@ -23,7 +23,7 @@ import math
 import numpy as np
 
 from .._numba import kernel
-from ._machine_kernels import fma, sign_of_insphere, sign_of_orient3d
+from ._machine_kernels import fma, sign_of_incircle, sign_of_insphere, sign_of_orient3d
 
 EPSILON = 2.0**-53
 # Stage A: |rounding error| <= bound * permanent, both as computed (Shewchuk, section 4.2 to 4.4, table 1 ff.:
@@ -383,8 +383,8 @@ def quantum(numbers, largest, smallest):
 #     sum                     c = c_2 + 1                 d = max(d_1, d_2) + 2 c_2 + 1
 #     product                 c = c_1 + c_2 + 1           d = d_1 + d_2 + c_1 c_2 + c_1 + 2 c_2 + 2
 #
-# which for orient3d, as it is written here, gives d = 56 and for insphere 258. Half of the bound's 512 is left for the
-# rounding of the permanent.
+# which for orient3d, as it is written here, gives d = 56, for incircle 96 and for insphere 258. Half of the bound's
+# 512 is left for the rounding of the permanent.
 PAIR_BOUND = 2.0**-97
 
 
@@ -433,6 +433,19 @@ def _orient3d_of_pairs(ax, ay, az, bx, by, bz, cx, cy, cz):
     ca = _cross(cx, ay, cy, ax)
     ab = _cross(ax, by, ay, bx)
     determinant = _dot(az, bz, cz, bc, ca, ab)
+    return determinant[0] + determinant[1]
+
+
+@kernel
+def _incircle_of_pairs(ax, ay, bx, by, cx, cy):
+    """The determinant of three differences and their squares."""
+    a_lift = _sum(_product(ax, ax), _product(ay, ay))
+    b_lift = _sum(_product(bx, bx), _product(by, by))
+    c_lift = _sum(_product(cx, cx), _product(cy, cy))
+    bc = _cross(bx, cy, by, cx)
+    ca = _cross(cx, ay, cy, ax)
+    ab = _cross(ax, by, ay, bx)
+    determinant = _dot(a_lift, b_lift, c_lift, bc, ca, ab)
     return determinant[0] + determinant[1]
 
 
@@ -502,6 +515,30 @@ def _orient3d_of_integers(ax, ay, az, bx, by, bz, cx, cy, cz):
 
 
 @kernel
+def _have_one_value(x, y, z):
+    """Whether those of three differences that are not zero are equal."""
+    value = x if x[0] != 0.0 else (y if y[0] != 0.0 else z)
+    return (y[0] == 0.0 or (y[0] == value[0] and y[1] == value[1])) and (
+        z[0] == 0.0 or (z[0] == value[0] and z[1] == value[1])
+    )
+
+
+@kernel
+def _incircle_of_integers(ax, ay, bx, by, cx, cy):
+    """The same for a determinant with squares, in the plane."""
+    scale = _integer_scale(max(_largest(ax, ay, bx), _largest(by, cx, cy)))
+    ax, rest_1 = _as_integer(ax, scale)
+    ay, rest_2 = _as_integer(ay, scale)
+    bx, rest_3 = _as_integer(bx, scale)
+    by, rest_4 = _as_integer(by, scale)
+    cx, rest_5 = _as_integer(cx, scale)
+    cy, rest_6 = _as_integer(cy, scale)
+    if rest_1 + rest_2 + rest_3 + rest_4 + rest_5 + rest_6 > 0:
+        return math.nan
+    return np.float64(sign_of_incircle(ax, ay, bx, by, cx, cy))
+
+
+@kernel
 def _insphere_of_integers(ax, ay, az, bx, by, bz, cx, cy, cz, dx, dy, dz, largest):
     """The same for a determinant with squares."""
     scale = _integer_scale(largest)
@@ -560,7 +597,7 @@ def orient2d(ax, ay, bx, by, cx, cy, work):
 
 @kernel
 def incircle_exact(ax, ay, bx, by, cx, cy, dx, dy, work):
-    """`incircle` where stage A fails: by the quantum, as a rectangle, or by stages B and C."""
+    """`incircle` where stage A fails: by the quantum, by stage B in pairs, in integers, or by stages B and C."""
     adx, ady = ax - dx, ay - dy
     bdx, bdy = bx - dx, by - dy
     cdx, cdy = cx - dx, cy - dy
@@ -573,6 +610,18 @@ def incircle_exact(ax, ay, bx, by, cx, cy, dx, dy, work):
     permanent = (abs(bc) + abs(cb)) * a_lift + (abs(ca) + abs(ac)) * b_lift + (abs(ab) + abs(ba)) * c_lift
     if permanent <= work[EXACT_INCIRCLE]:
         return a_lift * (bc - cb) + b_lift * (ca - ac) + c_lift * (ab - ba)
+    rows = (
+        _difference(ax, dx), _difference(ay, dy), _difference(bx, dx), _difference(by, dy),
+        _difference(cx, dx), _difference(cy, dy),
+    )  # fmt: skip
+    determinant = _incircle_of_pairs(*rows)
+    if abs(determinant) > PAIR_BOUND * permanent:
+        return determinant
+    if _have_one_value(rows[0], rows[2], rows[4]) and _have_one_value(rows[1], rows[3], rows[5]):
+        return 0.0  # corners of a rectangle, see `_on_a_box`
+    determinant = _incircle_of_integers(*rows)
+    if not math.isnan(determinant):
+        return determinant
     _set_entry(work, 0, 0, ax, dx)
     _set_entry(work, 0, 1, ay, dy)
     _set_entry(work, 1, 0, bx, dx)

@@ -31,7 +31,6 @@ A. Bowyer, Computer Journal 24 (1981) 162; D. F. Watson, Computer Journal 24 (19
 import numpy as np
 
 from .._numba import kernel
-from ..geometry._machine_kernels import borrowed
 from ._prefetch_kernels import prefetch
 from ._tetrahedra_kernels import (
     CONSTRAINED,
@@ -151,9 +150,6 @@ def insert_points(
     -----
     Constrained facets are never passed by a cavity; it may then not be star-shaped (`is_star_shaped`).
     """
-    points, rows, cells, planes = borrowed(points), borrowed(rows), borrowed(cells), borrowed(planes)
-    cavity, facets, table, part_of = borrowed(cavity), borrowed(facets), borrowed(table), borrowed(part_of)
-    work, limits = borrowed(work), borrowed(limits)
     side_limit = limits[SIDE_LIMIT]
     sphere_limit = limits[SPHERE_LIMIT]
     most_facets = len(cavity) - 16

@@ -6,7 +6,6 @@ The layout of the cells is that of `_tetrahedra_kernels`, their numbers are thos
 import numpy as np
 
 from .._numba import kernel
-from ..geometry._machine_kernels import borrowed
 from ..geometry._predicates_kernels import orient3d
 from ._tetrahedra_export_kernels import number_of
 from ._tetrahedra_kernels import FACET_A, FACET_B, FACET_C, U
@@ -60,8 +59,6 @@ def locate(points, cells, queries, order, start, hint, rank, starts, corners, ma
     int
         How many places are done: fewer than there are if ``found`` was too short.
     """
-    points, cells, work, rank = borrowed(points), borrowed(cells), borrowed(work), borrowed(rank)
-    starts, corners = borrowed(starts), borrowed(corners)
     t = np.int64(hint)
     for i in range(start, len(order)):
         query = order[i]

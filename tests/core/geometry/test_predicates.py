@@ -110,12 +110,12 @@ def shape_of(name):
     return POINTS[name], DIMENSION[name]
 
 
-def with_products_of_roundings(count):
-    """(k, 5, 3): cospherical sites of a grid whose coordinates are rounded."""
+def with_products_of_roundings(name, count, side):
+    """(k, POINTS, DIMENSION): cospherical sites of a grid whose coordinates are rounded."""
     rng = np.random.default_rng(12)
-    sites = rng.integers(0, 4, (count, 5, 3))
-    tests = np.linspace(0, 1, 46)[sites + rng.integers(0, 40, (count, 1, 3))]
-    return tests[naive.insphere(sites.astype(float)) == 0]
+    sites = rng.integers(0, side, (count, *shape_of(name)))
+    tests = np.linspace(0, 1, 46)[sites + rng.integers(0, 46 - side, (count, 1, DIMENSION[name]))]
+    return tests[getattr(naive, name)(sites.astype(float)) == 0]
 
 
 def with_tiny_volumes(count):
@@ -134,18 +134,23 @@ def with_tiny_volumes(count):
 
 @pytest.mark.parametrize(
     ("name", "degree", "terms", "tests"),
-    [("orient3d", 3, 6, with_tiny_volumes(300)), ("insphere", 5, 72, with_products_of_roundings(40_000))],
-    ids=["orient3d", "insphere"],
+    [
+        ("orient3d", 3, 6, with_tiny_volumes(300)),
+        ("incircle", 4, 12, with_products_of_roundings("incircle", 90_000, 6)),
+        ("insphere", 5, 72, with_products_of_roundings("insphere", 40_000, 4)),
+    ],
+    ids=["orient3d", "incircle", "insphere"],
 )
 def test_integers_tell_signs_that_stage_b_cannot(name, degree, terms, tests):
     of_pairs, of_integers = getattr(kernels, f"_{name}_of_pairs"), getattr(kernels, f"_{name}_of_integers")
+    negative = -1 if DIMENSION[name] == 3 else 1
     found = {-1: 0, 0: 0, 1: 0}
     for test, sign in zip(tests, getattr(naive, name)(tests), strict=True):
         rows = [kernels._difference(a, b) for point in test[:-1] for a, b in zip(point, test[-1], strict=True)]
         largest = max(abs(row[0]) for row in rows)
         if abs(of_pairs(*rows)) <= kernels.PAIR_BOUND * terms * largest**degree:
             by_integers = of_integers(*rows, *([largest] if name == "insphere" else []))
-            assert np.sign(-by_integers) == sign or np.isnan(by_integers)
+            assert np.sign(by_integers) == negative * sign or np.isnan(by_integers)
             found[sign] += not np.isnan(by_integers)
     assert min(found.values()) > 20, f"cases are not mixed: {found}"
 
