@@ -371,6 +371,22 @@ def first_of_equal(points):
     return [seen.setdefault(tuple(float(x) + 0.0 for x in p), row) for row, p in enumerate(points)]
 
 
+def fitted_line(points):
+    """Middle, reach and direction of the line through points in the plane, term after term in doubles."""
+    x = y = xx = xy = yy = 0.0
+    for p in points.tolist():
+        x, y = x + p[0], y + p[1]
+    x, y = x / len(points), y / len(points)
+    size = max(max(abs(p[0] - x), abs(p[1] - y)) for p in points.tolist())
+    for p in points.tolist():
+        dx, dy = (p[0] - x) / size, (p[1] - y) / size
+        xx, xy, yy = xx + dx * dx, xy + dx * dy, yy + dy * dy
+    length = math.sqrt((xx - yy) * (xx - yy) + 4.0 * xy * xy)
+    larger = math.sqrt(0.5 + 0.5 * abs(xx - yy) / length)
+    smaller = xy / length / larger
+    return [x, y, size, *((larger, smaller) if xx >= yy else (smaller, larger))]
+
+
 def splitmix64(row):
     """The hash of Steele, Lea and Flood, in whole numbers without a limit."""
     mask = 2**64 - 1

@@ -293,42 +293,58 @@ def gather(points, dimension, order, coordinates):
 
 
 @kernel
-def is_surely_thick(points, step, outliers):
-    """Whether more than ``outliers`` of a sample are farther from the line that fits it than points are apart on it.
+def fit_line(points, step, line):
+    """Write the line through every so many points in the plane: a point x, y of it, their reach, its direction x, y.
 
-    The sample is every so many points; `thin_clouds` says what for.
+    Sums one after the other, and square roots instead of angles: the same numbers on every platform.
     """
-    mean_x = mean_y = 0.0
+    x = y = 0.0
     count = 0
     for i in range(0, len(points), step):
-        mean_x += points[U(i), U(0)]
-        mean_y += points[U(i), U(1)]
+        x += points[U(i), U(0)]
+        y += points[U(i), U(1)]
         count += 1
-    mean_x /= count
-    mean_y /= count
+    x /= count
+    y /= count
     size = 0.0
     for i in range(0, len(points), step):
-        size = max(size, abs(points[U(i), U(0)] - mean_x), abs(points[U(i), U(1)] - mean_y))
+        size = max(size, abs(points[U(i), U(0)] - x), abs(points[U(i), U(1)] - y))
     if size == 0.0:
-        return False
+        size = 1.0
     xx = xy = yy = 0.0
     for i in range(0, len(points), step):
-        x = (points[U(i), U(0)] - mean_x) / size
-        y = (points[U(i), U(1)] - mean_y) / size
-        xx += x * x
-        xy += x * y
-        yy += y * y
-    angle = 0.5 * math.atan2(2.0 * xy, xx - yy)
-    cosine, sine = math.cos(angle), math.sin(angle)
+        dx = (points[U(i), U(0)] - x) / size
+        dy = (points[U(i), U(1)] - y) / size
+        xx += dx * dx
+        xy += dx * dy
+        yy += dy * dy
+    # The long axis of the ellipse of inertia: with its angle t, cos 2t = (xx - yy) / length, sin 2t = 2 xy / length.
+    length = math.sqrt((xx - yy) * (xx - yy) + 4.0 * xy * xy)
+    line[0], line[1], line[2], line[3], line[4] = x, y, size, 1.0, 0.0
+    if length > 0.0:
+        larger = math.sqrt(0.5 + 0.5 * abs(xx - yy) / length)
+        smaller = xy / length / larger
+        line[3], line[4] = (larger, smaller) if xx >= yy else (smaller, larger)
+
+
+@kernel
+def is_surely_thick(points, step, outliers, line):
+    """Whether more than ``outliers`` of a sample are farther from the line that fits it than points are apart on it.
+
+    The sample is every so many points; `thin_clouds` says what for, and `fit_line` what is written to ``line``.
+    """
+    fit_line(points, step, line)
     low = math.inf
     high = -math.inf
     for i in range(0, len(points), step):
-        along = (cosine * (points[U(i), U(0)] - mean_x) + sine * (points[U(i), U(1)] - mean_y)) / size
+        along = line[3] * (points[U(i), U(0)] - line[0]) + line[4] * (points[U(i), U(1)] - line[1])
         low = min(low, along)
         high = max(high, along)
     far = 0
+    count = 0
     for i in range(0, len(points), step):
-        across = (cosine * (points[U(i), U(1)] - mean_y) - sine * (points[U(i), U(0)] - mean_x)) / size
+        across = line[3] * (points[U(i), U(1)] - line[1]) - line[4] * (points[U(i), U(0)] - line[0])
         if abs(across) * len(points) > high - low:
             far += 1
+        count += 1
     return far > min(outliers, (count - 1) // 2)

@@ -42,8 +42,9 @@ def planar_order(points: np.ndarray, progress: Progress = silent) -> tuple[Inser
     >>> order.rows.tolist(), order.merged.tolist(), thin
     ([1, 2, 0, 4], [3], True)
     """
-    thick = len(points) < 3 or kernels.is_surely_thick(points, max(1, len(points) // _SAMPLE), _OUTLIERS)
-    along = None if thick else _places_along_line(points[:, :2])
+    line = np.empty(5)
+    thick = len(points) < 3 or kernels.is_surely_thick(points, max(1, len(points) // _SAMPLE), _OUTLIERS, line)
+    along = None if thick else _places_along_line(points[:, :2], line)
     if along is None:
         return insertion_order(points, 2, rounds=False, progress=progress), False
     rows = np.lexsort((points[:, 1], points[:, 0], along))
@@ -57,23 +58,11 @@ def planar_order(points: np.ndarray, progress: Progress = silent) -> tuple[Inser
     return InsertionOrder(rows[new].astype(np.int32), xy[new].ravel(), merged, first[merged]), True
 
 
-def _places_along_line(xy: np.ndarray) -> np.ndarray | None:
-    """(n,) float: where points lie along their line, if all but few are nearer to it than to each other; else None."""
-    n = len(xy)
-    along, across = _in_principal_axes(xy, xy[:: max(1, n // _SAMPLE)])
-    return along if _is_thin(along, across, n) else None
-
-
-def _in_principal_axes(xy: np.ndarray, sample: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Coordinates along and across the line that fits a sample best, in units of the sample's size."""
-    centre = sample.mean(axis=0)
-    size = float(np.abs(sample - centre).max()) or 1.0
-    unit = (sample - centre) / size
-    (xx, xy_), (_, yy) = unit.T @ unit
-    angle = 0.5 * np.arctan2(2 * xy_, xx - yy)
-    cosine, sine = np.cos(angle), np.sin(angle)
-    x, y = ((xy - centre) / size).T
-    return cosine * x + sine * y, cosine * y - sine * x
+def _places_along_line(xy: np.ndarray, line: np.ndarray) -> np.ndarray | None:
+    """(n,) float: where points lie along a line, if all but few are nearer to it than to each other; else None."""
+    x, y = ((xy - line[:2]) / line[2]).T
+    along, across = line[3] * x + line[4] * y, line[3] * y - line[4] * x
+    return along if _is_thin(along, across, len(xy)) else None
 
 
 def _is_thin(along: np.ndarray, across: np.ndarray, n: int) -> bool:

@@ -108,3 +108,15 @@ def test_long_keys_agree_with_short_ones_in_the_large():
 def test_cancelling_stops_the_sort():
     with pytest.raises(Cancelled):
         insertion_order(np.random.default_rng(5).random((100, 2)), 2, rounds=True, progress=lambda f, m: False)
+
+
+@pytest.mark.parametrize("slope", [0.3, -0.3, 40.0, -1e9])
+def test_a_line_is_fitted_by_plain_doubles_bit_by_bit(slope):
+    """No library's sums and no fused products, which differ between platforms; and a steep line is no worse."""
+    x = np.random.default_rng(6).normal(size=3000)
+    points = np.column_stack([x, slope * x + 0.1])
+    line = np.empty(5)
+    kernels.fit_line(points, 1, line)
+    assert line.tolist() == naive.fitted_line(points)
+    assert line[4] / line[3] == pytest.approx(slope, rel=1e-12)
+    assert np.hypot(line[3], line[4]) == pytest.approx(1.0, rel=1e-14)
