@@ -168,7 +168,8 @@ def insert_points(
         q = np.int64(todo[U(i)])
         qx, qy, qz = points[U(4 * q)], points[U(4 * q + 1)], points[U(4 * q + 2)]
         if step != FILL:
-            # ---- walk, through facets that part the point from the cell
+            # ---- walk, through facets that part the point from the cell; the facet opposite to corner 0, the point
+            # that was inserted last, comes last, so that the walk first turns round that point, towards the new one
             t = hint
             if cells[U(16 * t + 3)] < 0:
                 t = np.int64(cells[U(16 * t + 7)]) >> 3
@@ -187,13 +188,7 @@ def insert_points(
                 bx, by, bz = points[U(4 * b)] - qx, points[U(4 * b + 1)] - qy, points[U(4 * b + 2)] - qz
                 cx, cy, cz = points[U(4 * c)] - qx, points[U(4 * c + 1)] - qy, points[U(4 * c + 2)] - qz
                 leave_by = -1
-                if came_by != 0:
-                    turn = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
-                    if abs(turn) <= side_limit:
-                        turn = side(points, q, a, b, c, work)
-                    if turn < 0.0:
-                        leave_by = 0
-                if leave_by < 0 and came_by != 1:
+                if came_by != 1:
                     turn = bx * (oy * cz - oz * cy) + by * (oz * cx - ox * cz) + bz * (ox * cy - oy * cx)
                     if abs(turn) <= side_limit:
                         turn = side(points, q, b, o, c, work)
@@ -211,6 +206,12 @@ def insert_points(
                         turn = side(points, q, o, b, a, work)
                     if turn < 0.0:
                         leave_by = 3
+                if leave_by < 0 and came_by != 0:
+                    turn = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
+                    if abs(turn) <= side_limit:
+                        turn = side(points, q, a, b, c, work)
+                    if turn < 0.0:
+                        leave_by = 0
                 if leave_by < 0:
                     break
                 word = np.int64(cells[U(16 * t + 4 + leave_by)])

@@ -328,8 +328,8 @@ def fit_line(points, step, line):
 
 
 @kernel
-def is_surely_thick(points, step, outliers, line):
-    """Whether more than ``outliers`` of a sample are farther from the line that fits it than points are apart on it.
+def is_surely_thick(points, step, n, outliers, line):
+    """Whether more than ``outliers`` of a sample are farther from the line that fits it than n points are apart on it.
 
     The sample is every so many points; `thin_clouds` says what for, and `fit_line` what is written to ``line``.
     """
@@ -344,7 +344,7 @@ def is_surely_thick(points, step, outliers, line):
     count = 0
     for i in range(0, len(points), step):
         across = line[3] * (points[U(i), U(1)] - line[1]) - line[4] * (points[U(i), U(0)] - line[0])
-        if abs(across) * len(points) > high - low:
+        if abs(across) * n > high - low:
             far += 1
         count += 1
     return far > min(outliers, (count - 1) // 2)

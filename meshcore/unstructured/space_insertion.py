@@ -17,6 +17,7 @@ from . import _insertion_order_kernels as order_kernels
 from . import _tetrahedra_kernels as layout
 from .insertion_order import insertion_order
 from .space_cells import MAX_POINTS, Lists, SpaceCells
+from .thin_clouds import places_along_line_in_space
 from .threads import available_threads
 
 _POINTS_A_CHUNK = 20_000
@@ -94,7 +95,8 @@ def space_order(points: np.ndarray, progress: Progress = silent) -> SpaceOrder:
     rank = layout.first_cell(records, n, predicates.workspace(quantum), first)
     if rank < 4:
         raise InvalidGeometry(_flatness(n, rank), parameter="points")
-    todo = in_rounds(n)
+    places = places_along_line_in_space(records.reshape(-1, 4)[:, :3])
+    todo = in_rounds(n) if places is None else np.argsort(places, kind="stable").astype(np.int32)
     todo = todo[~np.isin(todo, first)]
     return SpaceOrder(order.rows, records, order.merged, order.kept, first, todo, quantum, extent_of(points))
 

@@ -302,7 +302,8 @@ class Tetrahedralization:
         return _Canonical(rank, starts, corners, row_of_rank)
 
     def _into_mesh(self) -> Mesh:
-        """`mesh` for the last time: the triangulation's memory is given back before that of the mesh is taken."""
+        """`mesh` for the last time: memory is given back as soon as it is not needed, and before that of the mesh."""
+        del self._space.points, self._space.place
         canonical = self._canonical
         del self._space
         return Mesh(self.points, {"tetra": canonical.rows(self._threads)})

@@ -1,4 +1,4 @@
-"""The order of insertion for points in the plane that nearly lie on one line, such as a slanted line up to rounding."""
+"""The order of insertion for points that nearly lie on one line, such as a slanted line up to rounding."""
 
 from __future__ import annotations
 
@@ -42,8 +42,8 @@ def planar_order(points: np.ndarray, progress: Progress = silent) -> tuple[Inser
     >>> order.rows.tolist(), order.merged.tolist(), thin
     ([1, 2, 0, 4], [3], True)
     """
-    line = np.empty(5)
-    thick = len(points) < 3 or kernels.is_surely_thick(points, max(1, len(points) // _SAMPLE), _OUTLIERS, line)
+    line, n = np.empty(5), len(points)
+    thick = n < 3 or kernels.is_surely_thick(points, max(1, n // _SAMPLE), n, _OUTLIERS, line)
     along = None if thick else _places_along_line(points[:, :2], line)
     if along is None:
         return insertion_order(points, 2, rounds=False, progress=progress), False
@@ -56,6 +56,29 @@ def planar_order(points: np.ndarray, progress: Progress = silent) -> tuple[Inser
     first = np.empty(len(points), np.int64)
     first[rows] = kept
     return InsertionOrder(rows[new].astype(np.int32), xy[new].ravel(), merged, first[merged]), True
+
+
+def places_along_line_in_space(points: np.ndarray) -> np.ndarray | None:
+    """(n,) float: where (n, 3) points lie along their line, if they are thin in the sense of `planar_order`; else None.
+
+    They are if they are so seen from two sides; their longest extent tells the places.
+
+    Examples
+    --------
+    >>> x = np.array([3.0, 1.0, 2.0, 5.0])
+    >>> places_along_line_in_space(np.column_stack([x, 0.3 * x + 0.1, -0.7 * x])).tolist()
+    [3.0, 1.0, 2.0, 5.0]
+    """
+    n, line = len(points), np.empty(5)
+    sample = points[:: max(1, n // _SAMPLE)]
+    longest = int(np.argmax(sample.max(axis=0) - sample.min(axis=0)))
+    for axis in {0, 1, 2} - {longest}:
+        view = [longest, axis]
+        if n < 3 or kernels.is_surely_thick(np.ascontiguousarray(sample[:, view]), 1, n, _OUTLIERS, line):
+            return None
+        if _places_along_line(points[:, view], line) is None:
+            return None
+    return points[:, longest]
 
 
 def _places_along_line(xy: np.ndarray, line: np.ndarray) -> np.ndarray | None:

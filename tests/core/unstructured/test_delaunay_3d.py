@@ -7,7 +7,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from meshcore import Cancelled, InvalidGeometry, InvalidInput, Mesh, Tetrahedralization, delaunay_3d
+from meshcore.unstructured import _delaunay_3d_kernels as kernels
 from meshcore.unstructured import space_insertion
+from meshcore.unstructured.space_cells import SpaceCells
+from meshcore.unstructured.thin_clouds import places_along_line_in_space
 from tests import naive, naive_delaunay, point_sets
 from tests.core.unstructured import delaunay_checks
 
@@ -106,6 +109,22 @@ def test_located_points_lie_in_their_cells():
     corners = triangulation.points[triangulation.mesh().cells["tetra"][cell[inside]]]
     assert weights[inside].min() >= -1e-12
     assert np.allclose(np.einsum("ij,ijk->ik", weights[inside], corners), asked[inside])
+
+
+def test_points_near_a_line_are_inserted_along_it():
+    """Along a Hilbert curve the slivers that are crossed and removed are ever more with more points."""
+    x = np.random.default_rng(12).random(4000)
+    found = []
+    for n in (1000, 4000):
+        line = np.column_stack([x[:n], 0.3 * x[:n] + 0.1, -0.7 * x[:n] + 0.2])
+        order = space_insertion.space_order(line)
+        assert len(order.todo) == n - 4 and (np.diff(order.points.reshape(-1, 4)[order.todo, 0]) > 0).all()
+        space = SpaceCells(order.points, order.rows, order.first, order.quantum, order.extent)
+        space_insertion.insert(space, order.todo, 1)
+        found.append(space.state[[kernels.STEPS, kernels.REMOVED]] / n)
+    assert (found[1] < [8, 15]).all() and (found[1] < 1.2 * found[0]).all()
+    for name in ("uniform", "integer_grid", "clumps"):
+        assert places_along_line_in_space(point_sets.SPACE[name](500, 3, np.random.default_rng(1))) is None
 
 
 @pytest.mark.parametrize("name", ["integer_grid", "octahedra", "uniform"])
