@@ -20,7 +20,7 @@ import numpy as np
 from .._numba import kernel
 from ._bucket_queue_kernels import QUEUE_STATE, QUEUED, empty_queue, pop, push
 from ._half_edge_kernels import DEAD, DONE, FULL, MORE, U, is_constrained, next_edge, previous_edge
-from ._point_insertion_kernels import dig, fill, walk
+from ._point_insertion_kernels import dig, fill, look_across, walk
 from ._refinement_kernels import sees_wide
 
 # Places in the state shared by the kernels of this file, after those of the queue.
@@ -216,7 +216,8 @@ def advance_front(
         if hit >= 0:
             state[REJECTED] += 1
             continue
-        n_cavity, n_ring = dig(e & ~3, qx, qy, xy, origin, twin, cavity, stack, ring, ring_from, work)
+        depth = look_across(e & ~3, cavity, stack)
+        n_cavity, n_ring = dig(depth, 1, 0, qx, qy, xy, origin, twin, cavity, stack, ring, ring_from, work)
         if n_ring < 0:
             cavity[0] = asked
             state[PENDING] = 1
@@ -254,15 +255,14 @@ def advance_front(
         xy[U(2 * new + 1)] = qy
         wanted[U(new)] = length
         near[U(new)] = ground
-        if state[FREE] >= 2:
-            state[FREE] -= 2
-            fresh = 4 * int(free[U(state[FREE])])
-            fresh2 = 4 * int(free[U(state[FREE] + 1)])
-        else:
-            fresh = 4 * int(state[TRIANGLES])
-            fresh2 = fresh + 4
-            state[TRIANGLES] += 2
-        fill(new, n_cavity, n_ring, fresh, fresh2, origin, twin, piece_of, face, cavity, stack, ring, ring_from)
+        for k in range(n_cavity, n_ring):
+            if state[FREE] > 0:
+                state[FREE] -= 1
+                cavity[U(k)] = 4 * int(free[U(state[FREE])])
+            else:
+                cavity[U(k)] = 4 * state[TRIANGLES]
+                state[TRIANGLES] += 1
+        fill(new, n_ring, origin, twin, piece_of, face, cavity, stack, ring, ring_from)
         pending = n_ring
     state[PENDING] = pending
     return MORE

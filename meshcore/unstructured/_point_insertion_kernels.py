@@ -44,21 +44,33 @@ def walk(start, qx, qy, xy, origin, twin, work):
 
 
 @kernel(inline=True)
-def dig(start, qx, qy, xy, origin, twin, cavity, stack, ring, ring_from, work):
-    """Gather the triangles whose circles hold q, as far as it sees them; their number, and that of the ring's edges.
-
-    Depth first over edges that are no segments, which meets the ring counter-clockwise. ``cavity`` gets the slots,
-    ``ring`` the edges around them, seen from inside, ``ring_from`` their origins. The second answer is -1 if the
-    buffers are too small.
-    """
-    room = len(ring) - 8
+def look_across(start, cavity, stack):
+    """Begin a cavity with one triangle, for `dig`: the depth of the stack."""
     cavity[0] = start
-    n_cavity = 1
-    n_ring = 0
     stack[0] = start + 2
     stack[1] = start + 1
     stack[2] = start
-    depth = 3
+    return 3
+
+
+@kernel(inline=True)
+def look_beside(own, n_cavity, cavity, stack):
+    """Add the triangle left of ``own`` to a cavity, which `dig` does not cross: the depth of the stack."""
+    cavity[U(n_cavity)] = own & ~3
+    stack[0] = previous_edge(own)
+    stack[1] = next_edge(own)
+    return 2
+
+
+@kernel
+def dig(depth, n_cavity, n_ring, qx, qy, xy, origin, twin, cavity, stack, ring, ring_from, work):
+    """Gather the triangles whose circles hold q, as far as it sees them; their number, and that of the ring's edges.
+
+    Depth first over edges that are no segments, which meets the ring counter-clockwise; ``stack`` holds those to begin
+    with. ``cavity`` gets the slots, ``ring`` the edges around them, seen from inside, ``ring_from`` their origins, all
+    behind what they have already. The second answer is -1 if the buffers are too small.
+    """
+    room = len(ring) - 8
     while depth > 0:
         depth -= 1
         e = int(stack[U(depth)])
@@ -90,20 +102,18 @@ def dig(start, qx, qy, xy, origin, twin, cavity, stack, ring, ring_from, work):
 
 
 @kernel(inline=True)
-def fill(new, n_cavity, n_ring, fresh, fresh2, origin, twin, piece_of, face, cavity, stack, ring, ring_from):
-    """Replace a cavity that `dig` found by triangles from its ring to the vertex ``new``; their slots go to ``cavity``.
+def fill(new, n_ring, origin, twin, piece_of, face, cavity, stack, ring, ring_from):
+    """Replace a cavity that `dig` found by triangles from its ring to the vertex ``new``.
 
-    There are two triangles more than before; the slots ``fresh`` and ``fresh2`` are theirs. The stamps grow.
+    ``cavity`` has a slot for each, those of the old triangles first. The stamps grow.
     """
-    for k in range(n_ring):
+    for k in range(n_ring):  # what the ring's edges carry, before slots are written over
         e = int(ring[U(k)])
         flags = int(origin[U(e | 3)])
         stack[U(4 * k)] = twin[U(e)]
         stack[U(4 * k + 1)] = ((flags >> (e & 3)) & 1) | (((flags >> (4 + (e & 3))) & 1) << 4)
         stack[U(4 * k + 2)] = piece_of[U(e)]
         stack[U(4 * k + 3)] = face[U(e >> 2)]
-    cavity[U(n_cavity)] = fresh
-    cavity[U(n_cavity + 1)] = fresh2
     slot = int(cavity[0])
     before = int(cavity[U(n_ring - 1)])
     for k in range(n_ring):

@@ -38,20 +38,30 @@ from ._half_edge_kernels import (
     FULL,
     MORE,
     U,
-    circle_side,
     is_constrained,
     next_edge,
-    previous_edge,
     side_of,
 )
+from ._point_insertion_kernels import dig, fill, look_across, look_beside, walk
 from ._splitting_kernels import split_place
 from ._vertex_deletion_kernels import delete_vertex
 
 # Places in the state shared by the kernels of this file, after those of the queue.
 STATE_SIZE = QUEUE_STATE + 9
 TRIANGLES, VERTICES, FREE, ENCROACHED, PENDING, GIVEN_UP, UNSPLIT, SPLITS, INSERTIONS = range(QUEUE_STATE, STATE_SIZE)
-# Queues: one for size, and one per quarter octave of the squared shortest edge.
-BUCKETS = 2048
+# Buckets: one per quarter octave of the squared shortest edge; above them one per block of the domain, for what is too
+# large; and one for what is much too large, by this factor in edge and in area, squared, or more. So sizes become even
+# first, and then one block after the other is finished while it is in the processor's cache, whose vertices and
+# triangles then lie near each other in memory, too.
+ANGLE_BUCKETS = 2048
+BLOCKS = 32
+BUCKETS = ANGLE_BUCKETS + BLOCKS * BLOCKS + 1
+MUCH_TOO_LARGE = 16.0
+# Places in ``limits``: squared cosine of the smallest angle; squared cosine of the lens; the off-centre's height per
+# length of the shortest edge (0: circumcentres); the squared edge length of triangles yet to be judged, and whether
+# that is the length for all; twice the largest area if it is the same in all faces, else -1; whether the worst triangle
+# goes first (the survey's order); the lower left corner of the domain, and blocks per length.
+COSINE2, LENS2, HEIGHT, EDGE2, ONE_EDGE, TWICE_AREA, WORST_FIRST, LEFT, BELOW, BLOCKS_PER_LENGTH = range(10)
 # Squared circumradius of an equilateral triangle, per twice its area.
 TWICE_AREA_TO_RADIUS2 = 2.0 / (3.0 * math.sqrt(3.0))
 # What a vertex stands on: nothing, an input vertex, else the piece of a segment.
@@ -68,6 +78,21 @@ def sees_wide(ax, ay, bx, by, qx, qy, lens2):
     vy = by - qy
     dot = ux * vx + uy * vy
     return dot < 0.0 and dot * dot >= lens2 * (ux * ux + uy * uy) * (vx * vx + vy * vy)
+
+
+@kernel(inline=True)
+def is_unsplittable(origin, e):
+    """1 if the piece that e lies on may not be split here."""
+    return (origin[U(e | 3)] >> (4 + (e & 3))) & 1
+
+
+@kernel(inline=True)
+def push_encroached(e, origin, encroached, state):
+    """Note a piece that is to be split; the caller has made room."""
+    depth = state[ENCROACHED]
+    encroached[U(2 * depth)] = e
+    encroached[U(2 * depth + 1)] = origin[U(e)]
+    state[ENCROACHED] = depth + 1
 
 
 @kernel
@@ -92,8 +117,8 @@ def queue_if_poor(
     t, xy, origin, twin, stands_on, pieces, face, edge_limit, area_limit, limits, queue, head, tail, encroached, state
 ):
     """Queue triangle t if it is poor, and its encroached pieces; the caller has made room."""
-    cosine2 = limits[0]
-    lens2 = limits[1]
+    cosine2 = limits[COSINE2]
+    lens2 = limits[LENS2]
     slot = 4 * t
     flags = int(origin[U(slot + 3)])
     a = int(origin[U(slot)])
@@ -112,10 +137,7 @@ def queue_if_poor(
                 vx, vy = (bx, by) if k == 0 else ((cx, cy) if k == 1 else (ax, ay))
                 wx, wy = (cx, cy) if k == 0 else ((ax, ay) if k == 1 else (bx, by))
                 if sees_wide(ux, uy, vx, vy, wx, wy, lens2):
-                    depth = state[ENCROACHED]
-                    encroached[U(2 * depth)] = slot + k
-                    encroached[U(2 * depth + 1)] = origin[U(slot + k)]
-                    state[ENCROACHED] = depth + 1
+                    push_encroached(slot + k, origin, encroached, state)
     abx = bx - ax
     aby = by - ay
     bcx = cx - bx
@@ -125,39 +147,41 @@ def queue_if_poor(
     opposite_a = bcx * bcx + bcy * bcy
     opposite_b = cax * cax + cay * cay
     opposite_c = abx * abx + aby * aby
-    if opposite_a <= opposite_b and opposite_a <= opposite_c:
-        shortest, longest, other, p, q = opposite_a, opposite_b, opposite_c, b, c
-    elif opposite_b <= opposite_c:
-        shortest, longest, other, p, q = opposite_b, opposite_a, opposite_c, c, a
-    else:
-        shortest, longest, other, p, q = opposite_c, opposite_a, opposite_b, a, b
+    shortest = min(opposite_a, opposite_b, opposite_c)
+    longest = max(opposite_a, opposite_b, opposite_c)
+    other = max(min(opposite_a, opposite_b), min(max(opposite_a, opposite_b), opposite_c))
     area = abx * cay - aby * cax  # minus twice the area
-    limit = limits[5]
+    limit = limits[TWICE_AREA]
     if limit < 0.0:
         limit = area_limit[U(face[U(t)])]
-    longest2 = limits[3] if limits[4] != 0.0 else edge_limit[U(t)]
-    too_large = max(longest, other) > longest2 or area * area > limit * limit
+    longest2 = limits[EDGE2] if limits[ONE_EDGE] != 0.0 else edge_limit[U(t)]
+    too_large = longest > longest2 or area * area > limit * limit
     poor = too_large
     if not poor:
         # Law of cosines at the corner between the two longer edges.
         numerator = longest + other - shortest
         poor = numerator > 0.0 and numerator * numerator > 4.0 * cosine2 * longest * other
         if poor:
+            p, q = (b, c) if shortest == opposite_a else ((c, a) if shortest == opposite_b else (a, b))
             piece_p = int(stands_on[U(p)])
             piece_q = int(stands_on[U(q)])
             if piece_p >= 0 and piece_q >= 0 and piece_p != piece_q:
                 poor = not is_between_neighbours(xy, pieces, p, q, piece_p, piece_q)
     if poor:
         bucket = BUCKETS - 1
-        if limits[6] != 0.0:  # by the squared circumradius over the one wanted, the largest first
+        if limits[WORST_FIRST] != 0.0:  # by the squared circumradius over the one wanted, the largest first
             wanted = min(longest2 / 3.0, limit * TWICE_AREA_TO_RADIUS2)
             if cosine2 < 1.0:
                 wanted = min(wanted, shortest / (4.0 * (1.0 - cosine2)))
             mantissa, exponent = math.frexp(longest * other * shortest / (4.0 * area * area * wanted))
-            bucket = min(max(BUCKETS // 2 + 4 * exponent + int(8.0 * mantissa), 0), BUCKETS - 1)
+            bucket = min(max(ANGLE_BUCKETS // 2 + 4 * exponent + int(8.0 * mantissa), 0), BUCKETS - 1)
         elif not too_large:
             mantissa, exponent = math.frexp(shortest)
-            bucket = min(max(64 - 4 * exponent - int(8.0 * mantissa), 0), BUCKETS - 2)
+            bucket = min(max(64 - 4 * exponent - int(8.0 * mantissa), 0), ANGLE_BUCKETS - 1)
+        elif longest < MUCH_TOO_LARGE * longest2 and area * area < MUCH_TOO_LARGE * limit * limit:
+            row = int((ay - limits[BELOW]) * limits[BLOCKS_PER_LENGTH])
+            column = int((ax - limits[LEFT]) * limits[BLOCKS_PER_LENGTH])
+            bucket = ANGLE_BUCKETS + BLOCKS * row + (BLOCKS - 1 - column if row & 1 else column)
         push(bucket, slot, twin[U(slot + 3)], queue, head, tail, state)
 
 
@@ -178,22 +202,82 @@ def queue_all(
 
 
 @kernel
+def place(slot, xy, origin, longest2, height):
+    """The piece to be split for a poor triangle, or -1, and where its point stands then."""
+    a = int(origin[U(slot)])
+    b = int(origin[U(slot + 1)])
+    c = int(origin[U(slot + 2)])
+    ax = xy[U(2 * a)]
+    ay = xy[U(2 * a + 1)]
+    bx = xy[U(2 * b)]
+    by = xy[U(2 * b + 1)]
+    cx = xy[U(2 * c)]
+    cy = xy[U(2 * c + 1)]
+    ab2 = (bx - ax) ** 2 + (by - ay) ** 2
+    bc2 = (cx - bx) ** 2 + (cy - by) ** 2
+    ca2 = (ax - cx) ** 2 + (ay - cy) ** 2
+    if max(ab2, bc2, ca2) > longest2:
+        # A long piece is split at once: its neighbours' circumcentres would only make it thinner first.
+        e = slot if ab2 >= bc2 and ab2 >= ca2 else (slot + 1 if bc2 >= ca2 else slot + 2)
+        if is_constrained(origin, e) and not is_unsplittable(origin, e):
+            return e, 0.0, 0.0
+    # Turn so that (a, b) is the shortest edge.
+    if bc2 < ab2 and bc2 <= ca2:
+        ax, bx, cx = bx, cx, ax
+        ay, by, cy = by, cy, ay
+    elif ca2 < ab2:
+        ax, bx, cx = cx, ax, bx
+        ay, by, cy = cy, ay, by
+    # Circumcentre, relative to a.
+    ux = bx - ax
+    uy = by - ay
+    vx = cx - ax
+    vy = cy - ay
+    u2 = ux * ux + uy * uy
+    v2 = vx * vx + vy * vy
+    half = 0.5 / (ux * vy - uy * vx)
+    dx = (vy * u2 - uy * v2) * half
+    dy = (ux * v2 - vx * u2) * half
+    if height > 0.0:
+        mx = dx - 0.5 * ux
+        my = dy - 0.5 * uy
+        if height * height * u2 < mx * mx + my * my:
+            dx = 0.5 * ux - height * uy
+            dy = 0.5 * uy + height * ux
+    return -1, ax + dx, ay + dy
+
+
+@kernel
+def mark_halves(n_ring, second_half, end, piece, origin, twin, piece_of, cavity):
+    """Mark the halves of a piece after `fill`: they run from the new point to where the halves of the ring begin.
+
+    With nothing behind the piece there is one half of a ring, ``second_half`` is -1, and it ends at the vertex ``end``.
+    """
+    first = 0
+    while first < n_ring:
+        last = second_half if first < second_half else n_ring
+        begin = int(cavity[U(first)])
+        finish = int(cavity[U(last - 1)])
+        origin[U(begin + 3)] |= np.int32(4)
+        piece_of[U(begin + 2)] = piece
+        origin[U(finish + 3)] |= np.int32(2)
+        piece_of[U(finish + 1)] = piece
+        if second_half < 0:
+            twin[U(begin + 2)] = -1
+            twin[U(finish + 1)] = -1
+            origin[U(finish + 1)] = end
+        first = last
+
+
+@kernel
 def refine(
     xy, origin, twin, piece_of, stands_on, pieces, acute, face, edge_limit, area_limit, limits, queue, head, tail,
     encroached, free, cavity, stack, ring, ring_from, work, state, steps,
 ):  # fmt: skip
-    """Do up to ``steps`` insertions or rejections; ``state`` tells where to go on.
-
-    ``limits`` holds the squared cosine of the smallest angle, the squared cosine of the lens, the off-centre's height
-    per length of the shortest edge (0: circumcentres), the edge length of triangles yet to be judged, squared, whether
-    that is the length for all, twice the largest area if it is the same in all faces, else -1, and whether the worst
-    triangle goes first (the survey's order).
-    """
-    lens2 = limits[1]
-    height = limits[2]
-    unjudged = limits[3]
-    uniform = limits[4] != 0.0
-    room = len(ring) - 8
+    """Do up to ``steps`` insertions or rejections; ``state`` tells where to go on."""
+    lens2 = limits[LENS2]
+    unjudged = limits[EDGE2]
+    uniform = limits[ONE_EDGE] != 0.0
     pending = int(state[PENDING])
     for _ in range(steps):
         # Judge the triangles that the last step made, or the one it put back.
@@ -217,15 +301,15 @@ def refine(
         behind = -1
         asked = -1
         start = -1
+        piece = FREE_VERTEX
         qx = 0.0
         qy = 0.0
-        piece = -1
         if state[ENCROACHED] > 0:
             state[ENCROACHED] -= 1
             own = int(encroached[U(2 * state[ENCROACHED])])
             flags = int(origin[U(own | 3)])
             stale = origin[U(own)] != encroached[U(2 * state[ENCROACHED] + 1)]
-            if flags & DEAD or stale or (flags >> (own & 3)) & 1 == 0 or (flags >> (4 + (own & 3))) & 1:
+            if flags & DEAD or stale or (flags >> (own & 3)) & 1 == 0 or is_unsplittable(origin, own):
                 continue
             splitting = True
         else:
@@ -236,86 +320,18 @@ def refine(
             asked = int(queue[U(entry)])
             if queue[U(entry + 1)] != twin[U(asked + 3)] or origin[U(asked + 3)] & DEAD:
                 continue
-            a = int(origin[U(asked)])
-            b = int(origin[U(asked + 1)])
-            c = int(origin[U(asked + 2)])
-            ax = xy[U(2 * a)]
-            ay = xy[U(2 * a + 1)]
-            bx = xy[U(2 * b)]
-            by = xy[U(2 * b + 1)]
-            cx = xy[U(2 * c)]
-            cy = xy[U(2 * c + 1)]
-            ab2 = (bx - ax) ** 2 + (by - ay) ** 2
-            bc2 = (cx - bx) ** 2 + (cy - by) ** 2
-            ca2 = (ax - cx) ** 2 + (ay - cy) ** 2
-            if max(ab2, bc2, ca2) > (unjudged if uniform else edge_limit[U(asked >> 2)]):
-                # A long piece is split at once: its neighbours' circumcentres would only make it thinner first.
-                e = asked if ab2 >= bc2 and ab2 >= ca2 else (asked + 1 if bc2 >= ca2 else asked + 2)
-                if is_constrained(origin, e) and (origin[U(asked + 3)] >> (4 + (e & 3))) & 1 == 0:
-                    own = e
-                    splitting = True
+            longest2 = unjudged if uniform else edge_limit[U(asked >> 2)]
+            own, qx, qy = place(asked, xy, origin, longest2, limits[HEIGHT])
+            splitting = own >= 0
             if not splitting:
-                # Turn so that (a, b) is the shortest edge.
-                e = asked
-                if bc2 < ab2 and bc2 <= ca2:
-                    ax, bx, cx = bx, cx, ax
-                    ay, by, cy = by, cy, ay
-                    e = asked + 1
-                elif ca2 < ab2:
-                    ax, bx, cx = cx, ax, bx
-                    ay, by, cy = cy, ay, by
-                    e = asked + 2
-                # Circumcentre, relative to a.
-                ux = bx - ax
-                uy = by - ay
-                vx = cx - ax
-                vy = cy - ay
-                u2 = ux * ux + uy * uy
-                v2 = vx * vx + vy * vy
-                half = 0.5 / (ux * vy - uy * vx)
-                dx = (vy * u2 - uy * v2) * half
-                dy = (ux * v2 - vx * u2) * half
-                if height > 0.0:
-                    mx = dx - 0.5 * ux
-                    my = dy - 0.5 * uy
-                    if height * height * u2 < mx * mx + my * my:
-                        dx = 0.5 * ux - height * uy
-                        dy = 0.5 * uy + height * ux
-                qx = ax + dx
-                qy = ay + dy
                 # Walk there from the triangle; a piece in the way, or under the point, is split instead.
-                hit = -1
-                entered = -1
-                while True:
-                    crossing = -1
-                    for k in range(3):
-                        g = (e & ~3) + k
-                        if g == entered:
-                            continue
-                        a = int(origin[U(g)])
-                        b = int(origin[U(next_edge(g))])
-                        side = side_of(xy[U(2 * a)], xy[U(2 * a + 1)], xy[U(2 * b)], xy[U(2 * b + 1)], qx, qy, work)
-                        if side < 0.0:
-                            crossing = g
-                            break
-                        if side == 0.0 and is_constrained(origin, g):
-                            hit = g
-                    if crossing < 0:
-                        break
-                    hit = -1
-                    if is_constrained(origin, crossing):
-                        hit = crossing
-                        break
-                    entered = int(twin[U(crossing)])
-                    e = entered
+                e, hit = walk(asked, qx, qy, xy, origin, twin, work)
                 start = e & ~3
                 if hit >= 0:
-                    if (origin[U(hit | 3)] >> (4 + (hit & 3))) & 1:
+                    if is_unsplittable(origin, hit):
                         state[GIVEN_UP] += 1
                         continue
-                    encroached[U(2 * state[ENCROACHED])] = hit
-                    encroached[U(2 * state[ENCROACHED] + 1)] = origin[U(hit)]
-                    state[ENCROACHED] += 1
+                    push_encroached(hit, origin, encroached, state)
                     cavity[0] = asked
                     pending = 1
                     continue
@@ -326,6 +342,7 @@ def refine(
                 if known:
                     state[GIVEN_UP] += 1
                     continue
+        # Dig; a split does so on both sides of its piece, one after the other.
         if splitting:
             a = int(origin[U(own)])
             b = int(origin[U(next_edge(own))])
@@ -361,110 +378,39 @@ def refine(
                         continue
             qx, qy = split_place(xy, a, b, p, q, acute[U(p)] != 0, acute[U(q)] != 0)
             behind = int(twin[U(own)])
-            start = own & ~3
-        # Dig: depth first over edges that are no segments, which meets the cavity's edges counter-clockwise; a split
-        # digs on both sides of its piece, one after the other.
-        cavity[0] = start
+            depth = look_beside(own, 0, cavity, stack)
+        else:
+            depth = look_across(start, cavity, stack)
         n_cavity = 1
         n_ring = 0
         second_half = -1
-        rejected = False
-        hopeless = False
-        full = False
-        if splitting:
-            stack[0] = previous_edge(own)
-            stack[1] = next_edge(own)
-            depth = 2
-        else:
-            stack[0] = start + 2
-            stack[1] = start + 1
-            stack[2] = start
-            depth = 3
         while True:
-            while depth > 0:
-                depth -= 1
-                e = int(stack[U(depth)])
-                a = int(origin[U(e)])
-                b = int(origin[U(next_edge(e))])
-                f = e
-                conflict = False
-                if is_constrained(origin, e):
-                    if not splitting and sees_wide(
-                        xy[U(2 * a)], xy[U(2 * a + 1)], xy[U(2 * b)], xy[U(2 * b + 1)], qx, qy, lens2
-                    ):
-                        rejected = True
-                        if (origin[U(e | 3)] >> (4 + (e & 3))) & 1:
-                            hopeless = True
-                        else:
-                            encroached[U(2 * state[ENCROACHED])] = e
-                            encroached[U(2 * state[ENCROACHED] + 1)] = a
-                            state[ENCROACHED] += 1
-                else:
-                    f = int(twin[U(e)])
-                    c = int(origin[U(previous_edge(f))])
-                    conflict = (
-                        circle_side(
-                            xy[U(2 * b)],
-                            xy[U(2 * b + 1)],
-                            xy[U(2 * a)],
-                            xy[U(2 * a + 1)],
-                            xy[U(2 * c)],
-                            xy[U(2 * c + 1)],
-                            qx,
-                            qy,
-                            work,
-                        )
-                        > 0.0
-                    )
-                if conflict:
-                    cavity[U(n_cavity)] = f & ~3
-                    n_cavity += 1
-                    stack[U(depth)] = previous_edge(f)
-                    stack[U(depth + 1)] = next_edge(f)
-                    depth += 2
-                else:
-                    ring[U(n_ring)] = e
-                    ring_from[U(n_ring)] = a
-                    n_ring += 1
-                if n_ring >= room or depth >= room or n_cavity >= room:
-                    full = True
-                    break
-            if splitting and second_half < 0 and behind >= 0 and not full:
-                second_half = n_ring
-                cavity[U(n_cavity)] = behind & ~3
-                n_cavity += 1
-                stack[0] = previous_edge(behind)
-                stack[1] = next_edge(behind)
-                depth = 2
-                continue
-            break
-        if full:  # undo what this step took from the queues, so that it can be done again with larger buffers
-            if splitting:
-                encroached[U(2 * state[ENCROACHED])] = own
-                encroached[U(2 * state[ENCROACHED] + 1)] = origin[U(own)]
-                state[ENCROACHED] += 1
-            else:
+            n_cavity, n_ring = dig(
+                depth, n_cavity, n_ring, qx, qy, xy, origin, twin, cavity, stack, ring, ring_from, work
+            )
+            if behind < 0 or second_half >= 0 or n_ring < 0:
+                break
+            second_half = n_ring
+            depth = look_beside(behind, n_cavity, cavity, stack)
+            n_cavity += 1
+        if n_ring < 0:  # undo what this step took from the queues, so that it can be done again with larger buffers
+            if asked >= 0:
                 cavity[0] = asked
                 pending = 1
+            else:
+                push_encroached(own, origin, encroached, state)
             state[PENDING] = pending
             return FULL
-        if rejected:
-            if hopeless:
-                state[GIVEN_UP] += 1
-            else:
-                cavity[0] = asked
-                pending = 1
-            continue
         if splitting:
             # The point is on the piece up to rounding only: each new triangle is tested before the old ones go.
-            visible = True
+            visible = n_ring >= n_cavity
             for k in range(n_ring):
                 a = int(ring_from[U(k)])
                 b = int(origin[U(next_edge(int(ring[U(k)])))])
-                if side_of(xy[U(2 * a)], xy[U(2 * a + 1)], xy[U(2 * b)], xy[U(2 * b + 1)], qx, qy, work) <= 0.0:
-                    visible = False
-                    break
-            if not visible or n_ring < n_cavity:
+                visible = visible and (
+                    side_of(xy[U(2 * a)], xy[U(2 * a + 1)], xy[U(2 * b)], xy[U(2 * b + 1)], qx, qy, work) > 0.0
+                )
+            if not visible:
                 state[UNSPLIT] += 1
                 origin[U(own | 3)] |= np.int32(16 << (own & 3))
                 if behind >= 0:
@@ -473,73 +419,51 @@ def refine(
                     cavity[0] = asked
                     pending = 1
                 continue
-        elif n_ring < n_cavity:
-            return FAILED
-        face_before = face[U(start >> 2)]
-        face_behind = face[U(behind >> 2)] if splitting and behind >= 0 else face_before
-        # Fill. What the ring's edges carry is saved before slots are written over: twin, flags, piece.
+        else:
+            rejected = False
+            hopeless = False
+            for k in range(n_ring):
+                e = int(ring[U(k)])
+                if is_constrained(origin, e):
+                    a = int(ring_from[U(k)])
+                    b = int(origin[U(next_edge(e))])
+                    if sees_wide(xy[U(2 * a)], xy[U(2 * a + 1)], xy[U(2 * b)], xy[U(2 * b + 1)], qx, qy, lens2):
+                        rejected = True
+                        if is_unsplittable(origin, e):
+                            hopeless = True
+                        else:
+                            push_encroached(e, origin, encroached, state)
+            if hopeless:
+                state[GIVEN_UP] += 1
+                continue
+            if rejected:
+                cavity[0] = asked
+                pending = 1
+                continue
+            if n_ring < n_cavity:
+                return FAILED
         end = int(origin[U(own)]) if splitting else -1
         new = int(state[VERTICES])
         state[VERTICES] = new + 1
         xy[U(2 * new)] = qx
         xy[U(2 * new + 1)] = qy
-        stands_on[U(new)] = piece if splitting else FREE_VERTEX
-        for k in range(n_ring):
-            e = int(ring[U(k)])
-            flags = int(origin[U(e | 3)])
-            bits = ((flags >> (e & 3)) & 1) | (((flags >> (4 + (e & 3))) & 1) << 4)
-            stack[U(4 * k)] = twin[U(e)]
-            stack[U(4 * k + 1)] = bits
-            if bits:
-                stack[U(4 * k + 2)] = piece_of[U(e)]
+        stands_on[U(new)] = piece
         for k in range(n_cavity, n_ring):
             if state[FREE] > 0:
                 state[FREE] -= 1
-                cavity[U(k)] = 4 * free[U(state[FREE])]
+                cavity[U(k)] = 4 * int(free[U(state[FREE])])
             else:
                 cavity[U(k)] = 4 * state[TRIANGLES]
                 state[TRIANGLES] += 1
-        closed = not splitting or behind >= 0
-        before = int(cavity[U(n_ring - 1)])
-        for k in range(n_ring):
-            slot = int(cavity[U(k)])
-            after_k = k + 1 if k + 1 < n_ring else 0
-            after = int(cavity[U(after_k)])
-            origin[U(slot)] = ring_from[U(k)]
-            origin[U(slot + 1)] = ring_from[U(after_k)] if closed or k + 1 < n_ring else end
-            origin[U(slot + 2)] = new
-            f = int(stack[U(4 * k)])
-            flags = int(stack[U(4 * k + 1)])
-            twin[U(slot)] = f
-            if f >= 0:
-                twin[U(f)] = slot
-            if flags:
-                piece_of[U(slot)] = stack[U(4 * k + 2)]
-            twin[U(slot + 1)] = after + 2
-            twin[U(slot + 2)] = before + 1
-            if splitting:
-                # The two halves of the piece leave the new point where the halves of the ring begin and end.
-                if k == 0 or k == second_half:
-                    flags |= 4
-                    piece_of[U(slot + 2)] = piece
-                    if not closed:
-                        twin[U(slot + 2)] = -1
-                if k == n_ring - 1 or k == second_half - 1:
-                    flags |= 2
-                    piece_of[U(slot + 1)] = piece
-                    if not closed:
-                        twin[U(slot + 1)] = -1
-            origin[U(slot + 3)] = flags
-            twin[U(slot + 3)] += 1
-            if splitting or k >= n_cavity:
-                face[U(slot >> 2)] = face_before if second_half < 0 or k < second_half else face_behind
-            if not uniform:
-                edge_limit[U(slot >> 2)] = unjudged
-            before = slot
-        pending = n_ring
+        fill(new, n_ring, origin, twin, piece_of, face, cavity, stack, ring, ring_from)
         if splitting:
+            mark_halves(n_ring, second_half, end, piece, origin, twin, piece_of, cavity)
             state[SPLITS] += 1
         else:
             state[INSERTIONS] += 1
+        if not uniform:
+            for k in range(n_ring):
+                edge_limit[U(int(cavity[U(k)]) >> 2)] = unjudged
+        pending = n_ring
     state[PENDING] = pending
     return MORE

@@ -108,7 +108,12 @@ class Refiner:
         self.area_limit = 2 * domain.max_area * self.scale**2
         area = assembly_kernels.common_limit(self.area_limit, domain.keep)
         height = 0.0 if circumcentres else height
-        self.limits = np.array([self.cosine2, lens, height, unjudged, size_field is None, area, circumcentres])
+        corners = mesh.triangulation.xy.reshape(-1, 2)
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        blocks = kernels.BLOCKS * (1 - 1e-9) / (high - low).max()
+        self.limits = np.array(
+            [self.cosine2, lens, height, unjudged, size_field is None, area, circumcentres, *low, blocks]
+        )
         self.estimate = max(expected_triangles(mesh, domain, size), float(mesh.triangulation.n_triangles))
         self._carve()
         if self.has_angle and split_boundary:
@@ -245,7 +250,7 @@ class Refiner:
 
     def forget_sizes(self) -> None:
         """Let the sizes of all triangles be judged anew."""
-        self.edge_limit[:] = self.limits[3]
+        self.edge_limit[:] = self.limits[kernels.EDGE2]
 
     def _size_rounds(self, *, with_angle: bool) -> bool:
         """Judge the triangles made since the last round by the size field, and refine, until all pass."""
@@ -258,7 +263,7 @@ class Refiner:
     def _judge(self) -> bool:
         """Set the limits of triangles that have none yet; whether one is beyond its own."""
         corners, slots = self.live()
-        unjudged = self.limits[3]
+        unjudged = self.limits[kernels.EDGE2]
         new = np.flatnonzero(self.edge_limit[slots] == unjudged)
         if not len(new):
             return False
@@ -276,7 +281,7 @@ class Refiner:
         return bool((longest2 > limit).any())
 
     def _queue_all(self, *, with_angle: bool) -> None:
-        self.limits[0] = self.cosine2 if with_angle else np.inf
+        self.limits[kernels.COSINE2] = self.cosine2 if with_angle else np.inf
         capacity = len(self.origin) // 4
         scratch = self.mesh.triangulation.scratch.size
         if len(self.queue) < 4 * (capacity + scratch):
@@ -320,7 +325,7 @@ class Refiner:
                 grown(array, 4 * slots) for array in (self.origin, self.twin, self.piece_of)
             )
             self.face, self.free = grown(self.face, slots), grown(self.free, slots)
-            self.edge_limit = grown(self.edge_limit, slots, self.limits[3])
+            self.edge_limit = grown(self.edge_limit, slots, self.limits[kernels.EDGE2])
 
     def _grow(self) -> None:
         """Make room in whatever buffer is nearly full."""

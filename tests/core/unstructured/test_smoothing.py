@@ -74,10 +74,11 @@ def test_smoothing_of_refined_meshes(min_angle):
     rough, before = delaunay_refinement(square_with_hole(), **keywords)
     _, after = smoothed(rough, rounds=5)
     name = "smallest angle (degree)"
-    assert after.quality[name] > before.quality[name]
+    wanted = 35  # what the project asks of smoothing, after fronts; more than Delaunay refinement can reach
+    assert after.quality[name] > wanted
     assert after.quality["mean radius ratio"] < before.quality["mean radius ratio"]
     mesh, whole = delaunay_refinement(square_with_hole(), smoothing=5, **keywords)
-    assert whole.quality[name] > before.quality[name]
+    assert whole.quality[name] > wanted
     assert invariants.longest_edges(mesh).max() <= 0.05
     invariants.assert_constrained_delaunay(mesh, square_with_hole())
 
