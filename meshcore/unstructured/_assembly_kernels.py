@@ -3,7 +3,7 @@
 import math
 
 from .._numba import kernel
-from ._half_edge_kernels import DEAD, U, is_constrained, next_edge, previous_edge
+from ._half_edge_kernels import CONSTRAINED, DEAD, U, is_constrained, next_edge, previous_edge
 
 UNUSED, USED = -1, -2
 # A triangle is a needle if its longest edge is so many times as long as its shortest.
@@ -78,7 +78,8 @@ def narrow_parts(xy, origin, twin, n_triangles):
     width = math.inf
     length = 0.0
     for t in range(n_triangles):
-        if origin[U(4 * t + 3)] & DEAD:
+        flags = origin[U(4 * t + 3)]
+        if flags & DEAD or flags & CONSTRAINED == 0:
             continue
         for e in range(4 * t, 4 * t + 3):
             f = int(twin[U(e)])

@@ -1,5 +1,5 @@
 """Kernels that ask a planar triangulation: star of a vertex, edges and triangles by vertices, walk along a segment;
-the faces beside segments and at places, and whether it is a triangulation at all.
+the faces beside segments and at places.
 
 The layout is that of `_half_edge_kernels`; triangles may have been carved away. A list that is too short is answered
 by -1: make it longer and ask again. A face of a triangle is written ``triangle << 3 | corners``, with one bit for each
@@ -234,32 +234,3 @@ def first_lines(sides, pieces, line, keep, first):
         if not (keep[U(sides[U(0), U(p)])] or keep[U(sides[U(1), U(p)])]):
             outside += 1
     return kept, outside
-
-
-@kernel
-def is_glued(xy, origin, twin, n_triangles, work):
-    """Whether all triangles are positive, exactly, and each edge that has a twin is its twin turned around.
-
-    Such triangles, bounded by closed curves that meet nowhere, cover what these enclose, once.
-    """
-    for t in range(n_triangles):
-        if origin[U(4 * t + 3)] & DEAD:
-            continue
-        a, b, c = origin[U(4 * t)], origin[U(4 * t + 1)], origin[U(4 * t + 2)]
-        if (a | b | c) >= 0 and not (
-            side_of(
-                xy[U(2 * a)], xy[U(2 * a + 1)], xy[U(2 * b)], xy[U(2 * b + 1)], xy[U(2 * c)], xy[U(2 * c + 1)], work
-            )
-            > 0.0
-        ):
-            return False
-        for e in range(4 * t, 4 * t + 3):
-            f = int(twin[U(e)])
-            if f >= 0 and (
-                twin[U(f)] != e
-                or origin[U(f | 3)] & DEAD
-                or origin[U(f)] != origin[U(next_edge(e))]
-                or origin[U(e)] != origin[U(next_edge(f))]
-            ):
-                return False
-    return True

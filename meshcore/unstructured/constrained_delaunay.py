@@ -19,6 +19,7 @@ from .constrained import ConstrainedTriangulation, constrained
 from .domain import Domain, collected_seeds, domain
 from .planar_graph import planar_graph
 from .refiner import Refinement
+from .soundness import check
 
 
 @operation("Constrained Delaunay", category="Unstructured")
@@ -139,7 +140,7 @@ def _result(
     """The mesh of the faces that are kept, checked, and its report."""
     half_edges = triangulation.triangulation
     corners, slots = half_edges.live()
-    half_edges.check()
+    check(triangulation, len(half_edges.xy) // 2, parts.keep)
     face = triangulation.face[slots]
     corners, slots, face = (array[parts.keep[face]] for array in (corners, slots, face))
     xy = np.ldexp(half_edges.xy.reshape(-1, 2), -triangulation.exponent)

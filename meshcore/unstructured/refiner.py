@@ -19,6 +19,7 @@ from .boundary_lines import edges_on_lines
 from .constrained import ConstrainedTriangulation
 from .domain import Domain
 from .smoothing import HalfEdges, smooth_in_place
+from .soundness import check
 from .triangulation import Triangulation, grown
 
 _STEPS_A_CHUNK = 20_000
@@ -31,6 +32,9 @@ _AREA_BY_MAX_AREA = 0.6
 # Room reserved per triangle expected, and for how many at most; more is found when it is needed.
 _RESERVE = 1.15
 _MOST_RESERVED = 5_000_000
+# As many as stay in the processor's cache beside each other. Where each block has few, the order matters more than
+# that: triangles too large are then best taken as they come.
+_TRIANGLES_A_BLOCK = 4096
 # Longer than any scaled edge; its square does not overflow.
 _LONGEST = 1e150
 
@@ -108,13 +112,10 @@ class Refiner:
         self.area_limit = 2 * domain.max_area * self.scale**2
         area = assembly_kernels.common_limit(self.area_limit, domain.keep)
         height = 0.0 if circumcentres else height
-        corners = mesh.triangulation.xy.reshape(-1, 2)
-        low, high = corners.min(axis=0), corners.max(axis=0)
-        blocks = kernels.BLOCKS * (1 - 1e-9) / (high - low).max()
-        self.limits = np.array(
-            [self.cosine2, lens, height, unjudged, size_field is None, area, circumcentres, *low, blocks]
-        )
         self.estimate = max(expected_triangles(mesh, domain, size), float(mesh.triangulation.n_triangles))
+        self.limits = np.array(
+            [self.cosine2, lens, height, unjudged, size_field is None, area, circumcentres, *self._blocks()]
+        )
         self._carve()
         if self.has_angle and split_boundary:
             self.estimate += self._between_near_lines(min_angle)
@@ -124,6 +125,13 @@ class Refiner:
         self._keep_lines()
 
     # ---- setting up
+
+    def _blocks(self) -> tuple[float, float, float]:
+        """The lower left corner of the domain, and the number of blocks per length."""
+        xy = self.mesh.triangulation.xy.reshape(-1, 2)
+        low, high = xy.min(axis=0), xy.max(axis=0)
+        across = np.clip(np.sqrt(self.estimate / _TRIANGLES_A_BLOCK), 1.0, kernels.BLOCKS)
+        return low[0], low[1], (1 - 1e-9) * across / (high - low).max()
 
     def _carve(self) -> None:
         mesh = self.mesh.triangulation
@@ -177,6 +185,7 @@ class Refiner:
         """(m, 3) int32 corners and (m,) int32 slots of the triangles."""
         triangulation = self.mesh.triangulation
         triangulation.xy, triangulation.origin, triangulation.twin = self.xy, self.origin, self.twin
+        self.mesh.piece_of, self.mesh.face = self.piece_of, self.face
         triangulation.n_triangles = int(self.state[kernels.TRIANGLES])
         return triangulation.live()
 
@@ -199,7 +208,7 @@ class Refiner:
             self._queue_all(with_angle=True)
             poor = int(self.state[kernels.QUEUED])
         corners, slots = self.live()
-        self.mesh.triangulation.check()
+        check(self.mesh, int(self.state[kernels.VERTICES]), self.domain.keep)
         xy = self.xy.reshape(-1, 2)[: self.state[kernels.VERTICES]]
         return Refinement(
             corners,

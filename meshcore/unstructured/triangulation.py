@@ -7,14 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import GenerationFailed, InvalidGeometry, InvalidInput
+from ..errors import InvalidGeometry, InvalidInput
 from ..geometry import predicates
 from ..geometry.location import Location
 from ..mesh import Mesh
 from ..progress import Progress, part_of, silent
 from . import _delaunay_kernels as kernels
 from . import _half_edge_kernels as half_edges
-from . import _half_edge_query_kernels as queries
 from .half_edge_arrays import Scratch, grown
 from .insertion_order import InsertionOrder, insertion_order
 from .point_insertion import insert, insert_on_threads
@@ -146,16 +145,6 @@ class Triangulation:
         slots = np.empty(self.n_triangles, np.int32)
         count = half_edges.live_triangles(self.origin, self.n_triangles, corners, slots)
         return corners[:count], slots[:count]
-
-    def check(self) -> None:
-        """Raise `GenerationFailed` if a triangle is not positive, exactly, or not glued edge to edge to its neighbours.
-
-        Positive triangles glued to a disc that has a convex outline cover it once. Where parts were carved away along
-        segments, whatever their shape, what is left does so still, and after points were put on these, too: rounding
-        moves them by far less than segments are apart (`planar_graph.ON_SEGMENT`).
-        """
-        if not queries.is_glued(self.xy, self.origin, self.twin, self.n_triangles, self.scratch.work):
-            raise GenerationFailed("the triangulation has turned a triangle over; please report the input")
 
     def mesh(self) -> Mesh:
         """The triangles on all points.

@@ -6,11 +6,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from meshcore.errors import GenerationFailed
 from meshcore.geometry import predicates
 from meshcore.unstructured import _half_edge_kernels as layout
 from meshcore.unstructured import _half_edge_query_kernels as queries
-from meshcore.unstructured.triangulation import Triangulation
 from tests import naive, point_sets
 from tests import naive_delaunay as twin
 
@@ -151,19 +149,3 @@ def test_walk_asks_for_longer_lists():
     for room in range(len(whole)):
         assert plane.walk(1, 14, room) == queries.FULL_LIST
     assert plane.walk(1, 14, len(whole) + 1) == whole
-
-
-def test_a_triangle_turned_over_or_torn_off_its_neighbour_is_found():
-    def triangulation():
-        return Triangulation.from_points(np.random.default_rng(7).random((30, 2)))
-
-    triangulation().check()
-    moved = triangulation()
-    moved.xy[2 * int(moved.origin[moved.start])] += 5.0
-    with pytest.raises(GenerationFailed, match="turned"):
-        moved.check()
-    torn = triangulation()
-    e = torn.start
-    torn.twin[e] = torn.twin[layout.next_edge(e)]
-    with pytest.raises(GenerationFailed, match="turned"):
-        torn.check()
