@@ -40,6 +40,8 @@ from ._half_edge_kernels import (
 # the end of the segment, or its start where TURNED is odd.
 SEGMENT, FROM, TO, TURNED, PIECES, CROSSED, DEPTH = 0, 1, 2, 3, 4, 5, 6
 STATE_SIZE = 7
+# What it answers beside `DONE`, `MORE`, `FULL` and `FAILED`.
+FULL_CROSSINGS = 4
 # An edge of the outline of a cavity: the corner where it ends, its half-edge inside, the one outside (or -1 - k for
 # edge k of the same outline), and the piece on it or -1.
 CORNER, INSIDE, OUTSIDE, PIECE = 0, 1, 2, 3
@@ -233,8 +235,8 @@ def insert_segments(
 
     A vertex on a segment, up to the tolerance, splits it; each part becomes a row (from, to, segment) of ``pieces``,
     unless an earlier piece lies there. A segment that crosses earlier ones is left out there, and each pair of
-    segments is noted in ``crossed``, some twice, and where they cross in ``places``. If these, ``pieces``, or else the
-    buffers after them are full, they are to grow.
+    segments is noted in ``crossed``, some twice, and where they cross in ``places``. If these are full, the answer is
+    `FULL_CROSSINGS`; if ``pieces``, or else the buffers after ``places`` are, it is `FULL`: they are to grow.
     """
     s = int(state[SEGMENT])
     a = int(state[FROM])
@@ -325,8 +327,11 @@ def insert_segments(
             e = next_edge(across)
             nearer = -1
             while True:
-                if low + 3 > high or n_cavity + 1 >= len(cavity) or state[CROSSED] >= len(crossed):
+                if low + 3 > high or n_cavity + 1 >= len(cavity):
                     status = FULL
+                    break
+                if state[CROSSED] >= len(crossed):
+                    status = FULL_CROSSINGS
                     break
                 u = int(origin[U(e)])
                 w = int(origin[U(next_edge(e))])
@@ -376,6 +381,7 @@ def insert_segments(
                     status = FAILED
                     break
             if status != DONE:
+                state[CROSSED] = before  # the walk begins anew, and may then lead by another vertex
                 break
             if nearer >= 0:
                 state[CROSSED] = before

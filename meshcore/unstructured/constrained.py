@@ -147,13 +147,13 @@ def _inserted(mesh: Triangulation, graph: PlanarGraph, progress: Progress):
     state = np.zeros(kernels.STATE_SIZE, np.int64)
     state[kernels.FROM] = -1
     status = half_edges.MORE
-    while status in (half_edges.MORE, half_edges.FULL):
+    while status in (half_edges.MORE, half_edges.FULL, kernels.FULL_CROSSINGS):
         advance(progress, state[kernels.SEGMENT] / max(len(segments), 1), "inserting lines")
         status = kernels.insert_segments(
             mesh.xy, mesh.order, mesh.origin, mesh.twin, piece_of, vertex_edge, segments, pieces, crossed, places,
             chain, cavity, sweep, stack, mesh.scratch.work, tolerance, state, _EDGES_A_CHUNK,
         )  # fmt: skip
-        if status == half_edges.FULL and state[kernels.CROSSED] == len(crossed):
+        if status == kernels.FULL_CROSSINGS:
             crossed, places = grown(crossed, 2 * len(crossed)), grown(places, 2 * len(places))
         elif status == half_edges.FULL and state[kernels.PIECES] == len(pieces):
             pieces = grown(pieces, 2 * len(pieces))

@@ -7,6 +7,10 @@ from hypothesis import strategies as st
 
 from meshcore import InvalidGeometry, InvalidInput, Mesh, delaunay_refinement
 from meshcore.gallery import circle, joined, square
+from meshcore.unstructured import _constrained_kernels as kernels
+from meshcore.unstructured import _half_edge_kernels as half_edges
+from meshcore.unstructured.planar_graph import planar_graph
+from meshcore.unstructured.triangulation import triangulated
 from tests import naive
 from tests.core.unstructured import invariants
 from tests.core.unstructured.planar_graphs import comb, frame_mesh, framed_segments, loop_lines, loops, star_polygons
@@ -28,6 +32,43 @@ def test_random_segments_are_kept(boundary):
     given_points = {tuple(p) for p in boundary.points.tolist()}
     assert {tuple(p) for p in mesh.points.tolist()} == given_points
     assert invariants.euler(mesh) == 1
+
+
+def crossings_noted(graph, size):
+    """Rows that `insert_segments` notes with buffers that begin at a size, and how often these were full."""
+    mesh = triangulated(graph.points)
+    segments = np.ascontiguousarray(mesh.vertex_of[graph.segments], dtype=np.int32)
+    vertex_edge = np.empty(len(mesh.order) + 1, np.int32)
+    kernels.map_vertices(mesh.origin, mesh.twin, mesh.n_triangles, vertex_edge)
+    piece_of = np.full(len(mesh.origin), -1, np.int32)
+    pieces, state = np.empty((999, 3), np.int32), np.zeros(kernels.STATE_SIZE, np.int64)
+    crossed, places = np.empty((999, 2), np.int32), np.empty((999, 2))
+    state[kernels.FROM] = -1
+    times_full = -1
+    status = half_edges.FULL
+    while status == half_edges.FULL:
+        times_full += 1
+        buffers = (np.empty((2 * size, 4), np.int32), np.empty(size, np.int32), np.empty((2 * size, 2), np.int32))
+        status = kernels.insert_segments(
+            mesh.xy, mesh.order, mesh.origin, mesh.twin, piece_of, vertex_edge, segments, pieces, crossed, places,
+            *buffers, np.empty(8 * 999, np.int32), mesh.scratch.work, 0.0, state, 10**9,
+        )  # fmt: skip
+        size *= 2
+    assert status == half_edges.DONE
+    return crossed[: state[kernels.CROSSED]].tolist(), times_full
+
+
+def test_what_a_full_buffer_stops_leaves_no_crossing():
+    """A long line across a short one near its start, and then across a hundred triangles."""
+    points = np.random.default_rng(5).random((400, 2)) + [0.0, 0.5]
+    ends = [[-1.0, 1.0], [2.0, 1.0], [-0.5, 0.9], [-0.5, 1.1]]
+    vertices = np.arange(len(points)) + 4
+    graph = planar_graph(np.concatenate([ends, points]), np.array([[2, 3], [0, 1]]), vertices, "boundary")
+    wanted, times_full = crossings_noted(graph, 4096)
+    assert len(wanted) == 1 and times_full == 0
+    found, times_full = crossings_noted(graph, 16)
+    assert times_full > 1
+    assert found == wanted
 
 
 @settings(max_examples=40)
