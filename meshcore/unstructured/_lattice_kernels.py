@@ -60,6 +60,7 @@ def fill_crossings(ends, y0, dy, place, x):
 def take_sites(start, x, x0, y0, h, dy, columns, blocked, shake, points):
     """Write the free sites between the first and second, third and fourth ... crossing of each row; return how many.
 
+    The crossings of each row are in ascending order.
     Sites are moved by up to ``shake`` in each direction, at random but always alike: no four of them then lie on a
     circle but for rounding, so that exact arithmetic is seldom called for.
     """
@@ -67,13 +68,6 @@ def take_sites(start, x, x0, y0, h, dy, columns, blocked, shake, points):
     for row in range(len(start) - 1):
         first = start[U(row)]
         last = start[U(row + 1)]
-        for i in range(first + 1, last):  # few crossings, and nearly in order
-            value = x[U(i)]
-            j = i
-            while j > first and x[U(j - 1)] > value:
-                x[U(j)] = x[U(j - 1)]
-                j -= 1
-            x[U(j)] = value
         y = y0 + row * dy
         left = x0 + 0.5 * h * (row & 1)
         for i in range(first, last - 1, 2):

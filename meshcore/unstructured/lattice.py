@@ -162,6 +162,7 @@ def _sites(ends: np.ndarray, outward: np.ndarray, near: np.ndarray, h: float) ->
     np.cumsum(start, out=start)
     x = np.empty(start[-1])
     kernels.fill_crossings(flat, y0, dy, start[:-1].copy(), x)
+    x = x[np.lexsort((x, np.repeat(np.arange(rows), np.diff(start))))]
     sites = np.empty((int((blocked == 0).sum()), 2))
     count = kernels.take_sites(start, x, x0, y0, h, dy, columns, blocked, _SHAKE * h, sites)
     return sites[:count]
