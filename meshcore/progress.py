@@ -32,6 +32,30 @@ def advance(progress: Progress, fraction: float, message: str) -> None:
         raise Cancelled(f"cancelled while {message}")
 
 
+def forwards(progress: Progress) -> Progress:
+    """The progress of work whose steps may be repeated: it waits where it is until they are farther than before.
+
+    Examples
+    --------
+    >>> seen = []
+    >>> bar = forwards(lambda fraction, message: seen.append(fraction))
+    >>> for fraction in (0.2, 0.6, 0.4, 0.8):
+    ...     advance(bar, fraction, "trying")
+    >>> seen
+    [0.2, 0.6, 0.6, 0.8]
+    """
+    if progress is silent:
+        return silent
+    farthest = 0.0
+
+    def report(fraction: float, message: str) -> bool | None:
+        nonlocal farthest
+        farthest = max(farthest, fraction)
+        return progress(farthest, message)
+
+    return report
+
+
 def part_of(progress: Progress, start: float, stop: float) -> Progress:
     """The progress of a step that spans ``start`` to ``stop`` of the whole work.
 

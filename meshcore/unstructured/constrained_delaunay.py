@@ -10,7 +10,7 @@ from ..errors import InvalidInput
 from ..geometry.plane import Plane, fitted_plane
 from ..mesh import Mesh
 from ..operation import Param, Port, operation
-from ..progress import Progress, advance, part_of, silent
+from ..progress import Progress, advance, forwards, part_of, silent
 from ..report import Result
 from .assembly import assembled
 from .boundary_lines import edges_on_lines, first_line, used_points
@@ -115,6 +115,7 @@ def constrained_delaunay(
     """
     if not isinstance(boundary, Mesh):
         raise InvalidInput(f"needs a Mesh of line cells, got {type(boundary).__name__}", parameter="boundary")
+    progress = forwards(progress)  # rounds of crossings begin anew
     segments = boundary.get("line")
     used = used_points(boundary)
     plane = fitted_plane(boundary.points.take(used, axis=0), parameter="boundary")

@@ -10,7 +10,7 @@ from ..errors import InvalidInput
 from ..geometry.plane import fitted_plane
 from ..mesh import Mesh
 from ..operation import Length, Param, Port, absolute, operation
-from ..progress import Progress, advance, part_of, silent
+from ..progress import Progress, advance, forwards, part_of, silent
 from ..report import Result
 from ..sizing.size_field import SizeField
 from .assembly import assembled
@@ -178,6 +178,7 @@ def delaunay_refinement(
     """
     if not isinstance(boundary, Mesh):
         raise InvalidInput(f"needs a Mesh of line cells, got {type(boundary).__name__}", parameter="boundary")
+    progress = forwards(progress)  # rounds of a size field and of crossings begin anew
     if max_area == 0:
         raise InvalidInput("must be greater than zero, got 0; leave it out for no limit", parameter="max_area")
     segments = boundary.get("line")

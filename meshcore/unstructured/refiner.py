@@ -198,10 +198,10 @@ class Refiner:
 
     def run(self, smoothing: int = 0) -> Refinement:
         """Refine until no triangle is poor, or the budget of points is spent; after rounds of smoothing do so again."""
-        exhausted = self._refine_all()
+        exhausted = self._refine_all(part_of(self.progress, 0.0, 0.8 if smoothing else 1.0))
         if smoothing and not exhausted:
-            self._smooth(smoothing)
-            exhausted = self._refine_all()
+            self._smooth(smoothing, part_of(self.progress, 0.8, 0.9))
+            exhausted = self._refine_all(part_of(self.progress, 0.9, 1.0))
         # Whatever was not given up is as asked: each triangle was judged when it was made.
         poor = 0
         if exhausted or self.state[kernels.GIVEN_UP] or self.state[kernels.UNSPLIT]:
@@ -224,19 +224,19 @@ class Refiner:
         """(p, 2) vertices of the edges on lines, and the piece of each."""
         return edges_on_lines(self.origin, self.twin, self.piece_of, self.live()[1])
 
-    def _refine_all(self) -> bool:
+    def _refine_all(self, progress: Progress) -> bool:
         """Refine until no triangle is poor; whether the budget of points was spent first."""
         exhausted = False
         if self.size_field is not None:
-            exhausted = self._size_rounds(with_angle=False)
+            exhausted = self._size_rounds(progress, with_angle=False)
         if not exhausted and (self.has_angle or self.size_field is None):
             self._queue_all(with_angle=True)
-            exhausted = self._refine()
+            exhausted = self._refine(progress)
         if not exhausted and self.size_field is not None:
-            exhausted = self._size_rounds(with_angle=True)
+            exhausted = self._size_rounds(progress, with_angle=True)
         return exhausted
 
-    def _smooth(self, rounds: int) -> None:
+    def _smooth(self, rounds: int, progress: Progress) -> None:
         """Move vertices inside and flip edges; sizes are judged anew."""
         n = int(self.state[kernels.VERTICES])
         mesh = HalfEdges(
@@ -253,7 +253,7 @@ class Refiner:
             self.mesh.triangulation.scratch,
             is_delaunay=True,
         )
-        smooth_in_place(mesh, rounds, part_of(self.progress, 0.95, 0.97))
+        smooth_in_place(mesh, rounds, progress)
         self._keep_lines()  # edges that were flipped have new marks
         self.forget_sizes()
 
@@ -261,11 +261,11 @@ class Refiner:
         """Let the sizes of all triangles be judged anew."""
         self.edge_limit[:] = self.limits[kernels.EDGE2]
 
-    def _size_rounds(self, *, with_angle: bool) -> bool:
+    def _size_rounds(self, progress: Progress, *, with_angle: bool) -> bool:
         """Judge the triangles made since the last round by the size field, and refine, until all pass."""
         while self._judge():
             self._queue_all(with_angle=with_angle)
-            if self._refine():
+            if self._refine(progress):
                 return True
         return False
 
@@ -302,13 +302,13 @@ class Refiner:
             self.limits, self.queue, self.head, self.tail, self.encroached, self.state,
         )  # fmt: skip
 
-    def _refine(self) -> bool:
+    def _refine(self, progress: Progress) -> bool:
         """Refine what is queued; whether the budget of points was spent first."""
         scratch = self.mesh.triangulation.scratch
         budget = int(5 * max(self.estimate, len(self.mesh.triangulation.order))) + SPARE_POINTS
         while True:
             made = int(self.state[kernels.VERTICES])
-            advance(self.progress, min(0.95, 2 * made / self.estimate), "refining")
+            advance(progress, min(0.95, 2 * made / self.estimate), "refining")
             status = kernels.refine(
                 self.xy, self.origin, self.twin, self.piece_of, self.stands_on, self.pieces, self.acute, self.face,
                 self.edge_limit, self.area_limit, self.limits, self.queue, self.head, self.tail, self.encroached,

@@ -377,6 +377,37 @@ def test_progress_is_told_and_may_cancel():
         assert delaunay_refinement(boundary).report.converged
 
 
+def fine_in_a_corner(points):
+    return 0.01 + 0.1 * np.hypot(points[:, 0], points[:, 1])
+
+
+@pytest.mark.parametrize(
+    "keywords",
+    [
+        {"size": 0.02, "smoothing": 2},
+        {"size": 0.02, "smoothing": 2, "placement": "off-centre"},
+        {"size": 0.02, "smoothing": 2, "placement": "front"},
+        {"size_field": fine_in_a_corner, "smoothing": 2},
+        {"size_field": fine_in_a_corner, "smoothing": 2, "placement": "front"},
+    ],
+)
+def test_progress_never_runs_backwards(keywords):
+    seen = []
+    delaunay_refinement(square_with_hole(), **keywords, progress=lambda f, m: seen.append((f, m)))
+    fractions = [f for f, _ in seen]
+    assert fractions == sorted(fractions)
+    smoothing = [f for f, message in seen if message.startswith("smoothing")]
+    refining = [f for f, message in seen if message == "refining"]
+    assert min(refining) < min(smoothing) < max(smoothing) < max(refining) < fractions[-1]
+
+
+def test_progress_never_runs_backwards_where_lines_cross():
+    seen = []
+    lines = [((1, 1), (7, 6)), ((1, 6), (7, 1)), ((1, 2), (7, 4))]
+    delaunay_refinement(frame_mesh(8, lines), crossings="split", progress=lambda f, m: seen.append(f))
+    assert seen == sorted(seen)
+
+
 def test_area_of_fractions():
     """The helper itself: a triangle of known area."""
     assert invariants.shoelace([(0, 0), (1, 0), (0, Fraction(1, 3))]) == Fraction(1, 6)
