@@ -26,7 +26,7 @@ from ._refinement_kernels import sees_wide
 # Places in the state shared by the kernels of this file, after those of the queue.
 TRIANGLES, VERTICES, FREE, PENDING, REJECTED = range(QUEUE_STATE, QUEUE_STATE + 5)
 STATE_SIZE = QUEUE_STATE + 5
-# Queues by the squared ratio of radii, four to the octave.
+# Buckets by the squared ratio of radii, so many to the octave.
 BUCKETS = 1024
 PER_OCTAVE = 32
 # Flag of triangles that are small enough; the kernels of this file set it, `forget` clears it.
@@ -37,50 +37,41 @@ ACCEPTED, NEAREST, GROWTH, LENS = range(4)
 
 
 @kernel(inline=True)
-def squared_radius(ax, ay, bx, by, cx, cy):
-    """Squared radius of the circle through three points."""
-    bx -= ax
-    by -= ay
-    cx -= ax
-    cy -= ay
-    area = bx * cy - by * cx
-    return (
-        (bx * bx + by * by)
-        * (cx * cx + cy * cy)
-        * ((cx - bx) * (cx - bx) + (cy - by) * (cy - by))
-        / (4.0 * area * area)
-    )
-
-
-@kernel(inline=True)
 def excess(slot, xy, origin, wanted):
-    """Squared circumradius of a triangle per squared length wanted there."""
+    """Squared circumradius of a triangle per squared length wanted there: a numerator and a denominator."""
     a = int(origin[U(slot)])
     b = int(origin[U(slot + 1)])
     c = int(origin[U(slot + 2)])
+    ax = xy[U(2 * a)]
+    ay = xy[U(2 * a + 1)]
+    bx = xy[U(2 * b)] - ax
+    by = xy[U(2 * b + 1)] - ay
+    cx = xy[U(2 * c)] - ax
+    cy = xy[U(2 * c + 1)] - ay
+    edges2 = (bx * bx + by * by) * (cx * cx + cy * cy) * ((cx - bx) * (cx - bx) + (cy - by) * (cy - by))
+    double_area = bx * cy - by * cx
     length = (wanted[U(a)] + wanted[U(b)] + wanted[U(c)]) / 3.0
-    return squared_radius(
-        xy[U(2 * a)], xy[U(2 * a + 1)], xy[U(2 * b)], xy[U(2 * b + 1)], xy[U(2 * c)], xy[U(2 * c + 1)]
-    ) / (length * length)
+    return edges2, (2.0 * double_area * length) ** 2
 
 
 @kernel(inline=True)
 def queue_if_large(slot, xy, origin, twin, wanted, accepted, queue, head, tail, state):
     """Queue a triangle that is not accepted; or, if it is, the one across its first edge."""
-    ratio = excess(slot, xy, origin, wanted)
-    if ratio <= accepted:
+    radius2, length2 = excess(slot, xy, origin, wanted)
+    if radius2 <= accepted * length2:
         origin[U(slot + 3)] |= np.int32(ACCEPTED_TRIANGLE)
         if is_constrained(origin, slot):
             return
         slot = int(twin[U(slot)]) & ~3
         if origin[U(slot + 3)] & ACCEPTED_TRIANGLE:
             return
-        ratio = excess(slot, xy, origin, wanted)
-        if ratio <= accepted:
+        radius2, length2 = excess(slot, xy, origin, wanted)
+        if radius2 <= accepted * length2:
             return
     bucket = BUCKETS - 1
-    if ratio < 1e30:
-        bucket = min(max(int(PER_OCTAVE * math.log2(ratio / accepted)), 0), BUCKETS - 1)
+    if radius2 < 1e30 * length2:
+        mantissa, exponent = math.frexp(radius2 / (accepted * length2))
+        bucket = min(max(PER_OCTAVE * (exponent - 1) + int(PER_OCTAVE * (2.0 * mantissa - 1.0)), 0), BUCKETS - 1)
     push(bucket, slot, twin[U(slot + 3)], queue, head, tail, state)
 
 
