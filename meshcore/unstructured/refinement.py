@@ -227,6 +227,7 @@ def delaunay_refinement(
             split_boundary=split_boundary,
             size_field=sizes,
             progress=part_of(progress, {"front": 0.7}.get(placement, 0.2) if lattice is None else 0.5, 0.9),
+            is_filled=lattice is not None,
         )
         if front is not None:
             front.advance(refiner)

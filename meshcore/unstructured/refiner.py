@@ -87,6 +87,8 @@ class Refiner:
         Whether lines may get points.
     size_field : callable, optional
         (m, 2) places in the plane to (m,) largest edge lengths, already checked.
+    is_filled : bool
+        Whether the points inside are there already, but for a few.
     """
 
     def __init__(
@@ -100,6 +102,7 @@ class Refiner:
         split_boundary: bool,
         size_field: Callable[[np.ndarray], np.ndarray] | None,
         progress: Progress,
+        is_filled: bool = False,
     ):
         self.mesh, self.domain, self.progress = mesh, domain, progress
         self.scale = 2.0**mesh.exponent
@@ -120,8 +123,12 @@ class Refiner:
         if self.has_angle and split_boundary:
             self.estimate += self._between_near_lines(min_angle)
         self.split_boundary = split_boundary
-        expected = int(_RESERVE * min(self.estimate, _MOST_RESERVED))
-        self._allocate(max(len(mesh.triangulation.order), expected // 2) + 1024, max(len(mesh.face), expected) + 1024)
+        n = len(mesh.triangulation.order)
+        if is_filled:  # there are slots to spare
+            self._allocate(n + n // 64 + 1024, len(mesh.triangulation.origin) // 4)
+        else:
+            expected = int(_RESERVE * min(self.estimate, _MOST_RESERVED))
+            self._allocate(max(n, expected // 2) + 1024, max(len(mesh.face), expected) + 1024)
         self._keep_lines()
 
     # ---- setting up
