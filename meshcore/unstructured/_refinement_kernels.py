@@ -40,6 +40,7 @@ from ._half_edge_kernels import (
     U,
     is_constrained,
     next_edge,
+    previous_edge,
     side_of,
 )
 from ._point_insertion_kernels import dig, fill, look_across, look_beside, walk

@@ -10,7 +10,9 @@ from ..geometry import predicates
 
 
 def grown(array: np.ndarray, size: int, fill: float = 0) -> np.ndarray:
-    """A longer copy of an array along its first axis."""
+    """A longer copy of an array along its first axis; the array itself if it is long enough."""
+    if len(array) >= size:
+        return array
     longer = np.zeros((size, *array.shape[1:]), array.dtype)  # no memory is touched before it is used
     longer[: len(array)] = array
     if fill:

@@ -125,7 +125,7 @@ class Refiner:
         self.split_boundary = split_boundary
         n = len(mesh.triangulation.order)
         if is_filled:  # there are slots to spare
-            self._allocate(n + n // 64 + 1024, len(mesh.triangulation.origin) // 4)
+            self._allocate(n + n // 64 + 1024, 0)
         else:
             expected = int(_RESERVE * min(self.estimate, _MOST_RESERVED))
             self._allocate(max(n, expected // 2) + 1024, max(len(mesh.face), expected) + 1024)
@@ -151,6 +151,7 @@ class Refiner:
         """Take over the triangulation's arrays, and make others, with room for so many vertices and triangles."""
         mesh = self.mesh.triangulation
         mesh.scratch.work = predicates.workspace()  # points that are added lie on no grid, even if the boundary's do
+        vertices, slots = max(vertices, len(mesh.xy) // 2), max(slots, len(mesh.origin) // 4)
         self.acute = acute_vertices(mesh)
         self.xy, self.pieces = grown(mesh.xy, 2 * vertices), self.mesh.pieces
         self.origin, self.twin, self.piece_of = (
@@ -236,7 +237,7 @@ class Refiner:
         exhausted = False
         if self.size_field is not None:
             exhausted = self._size_rounds(progress, with_angle=False)
-        if not exhausted and (self.has_angle or self.size_field is None):
+        if not exhausted:
             self._queue_all(with_angle=True)
             exhausted = self._refine(progress)
         if not exhausted and self.size_field is not None:

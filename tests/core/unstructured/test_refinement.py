@@ -259,6 +259,15 @@ def test_smoothing_lets_no_line_be_split_that_may_not(rounds):
     assert mesh.boundary.n_cells == len(star)
 
 
+def test_areas_are_as_asked_after_smoothing_with_a_size_field_and_no_angle():
+    outline = loops([(0, 0), (8, 0), (8, 8), (0, 8)])
+    boundary = joined(outline, Mesh([[1.0, 1.0]], {"line": [[0, 0]]}))  # whose length makes sizes small there
+    mesh, report = delaunay_refinement(boundary, min_angle=0, max_area=0.1, gradation=0.2, smoothing=1)
+    assert report.converged
+    corners = mesh.points[mesh.get("triangle")]
+    assert np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2].max() <= 0.2
+
+
 def test_spikes_that_may_not_be_split_end():
     half = np.radians(1e-3) / 2
     boundary = loops([(0, 0), (np.cos(half), -np.sin(half)), (1.0, 0.1), (np.cos(half), np.sin(half))])

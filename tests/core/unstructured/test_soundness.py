@@ -20,7 +20,7 @@ DIVIDED_SQUARE = joined(square(), Mesh([[0.0, 0.0], [1.0, 1.0]], {"line": [[0, 1
 
 def triangulation(boundary):
     """A constrained triangulation, and which faces are meshed."""
-    graph = planar_graph(boundary.points[:, :2], boundary.get("line"), np.empty(0, np.int64), "boundary")
+    graph = planar_graph(boundary.points[:, :2], boundary.get("line"), np.arange(boundary.n_points), "boundary")
     mesh = constrained(graph, split_crossings=False, parameter="boundary", progress=silent)
     return mesh, domain(mesh, NO_SEEDS, np.inf)
 
