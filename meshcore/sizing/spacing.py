@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Literal, NoReturn
+from typing import Literal
 
 import numpy as np
 
 from ..errors import InvalidInput
-
-SMALLEST = 1e-12
-"""Least cell, as a fraction of the line, that double precision still resolves at either end."""
+from .end_cells import SMALLEST, count, fail, fraction, number, pinned, root
 
 
 def uniform(cells: int) -> np.ndarray:
@@ -32,11 +30,13 @@ def uniform(cells: int) -> np.ndarray:
     >>> uniform(4)
     array([0.  , 0.25, 0.5 , 0.75, 1.  ])
     """
-    return np.arange(_count(cells) + 1) / cells
+    return np.arange(count(cells) + 1) / cells
 
 
-def geometric(cells: int, *, ratio: float | None = None, first: float | None = None) -> np.ndarray:
-    """Cells that grow by a constant ratio, given by that ratio or by the first cell.
+def geometric(
+    cells: int, *, ratio: float | None = None, first: float | None = None, last: float | None = None
+) -> np.ndarray:
+    """Cells that grow by a constant ratio, given by that ratio or by an end cell.
 
     Parameters
     ----------
@@ -44,8 +44,8 @@ def geometric(cells: int, *, ratio: float | None = None, first: float | None = N
         Number of cells.
     ratio : float, optional
         Each cell over the one before it; below 1 they shrink.
-    first : float, optional
-        The first cell as a fraction of the whole.
+    first, last : float, optional
+        The first or the last cell as a fraction of the whole.
 
     Returns
     -------
@@ -55,7 +55,7 @@ def geometric(cells: int, *, ratio: float | None = None, first: float | None = N
     Raises
     ------
     InvalidInput
-        If not exactly one of ratio and first is given, or no such spacing exists.
+        If not exactly one of ratio, first and last is given, or no such spacing exists.
 
     Examples
     --------
@@ -64,20 +64,24 @@ def geometric(cells: int, *, ratio: float | None = None, first: float | None = N
     >>> geometric(3, first=1 / 7) * 7
     array([0., 1., 3., 7.])
     """
-    cells = _count(cells)
-    if (ratio is None) == (first is None):
-        raise InvalidInput("needs either ratio or first, and not both", parameter="ratio")
+    cells = count(cells)
+    if [ratio, first, last].count(None) != 2:
+        raise InvalidInput("needs one of ratio, first and last, and no more", parameter="ratio")
     if ratio is not None:
-        ratio = _number(ratio, "ratio")
+        ratio = number(ratio, "ratio")
         if ratio <= 0:
             raise InvalidInput(f"must be greater than zero, got {ratio:g}", parameter="ratio")
         growth = math.log(ratio)
-    else:
-        first = _fraction(first, "first", cells)
+    elif first is not None:
+        first = fraction(first, "first", cells)
         growth = _growth(cells, first)
+    else:
+        last = fraction(last, "last", cells)
+        growth = -_growth(cells, last)
     smallest = _geometric_first(cells, -abs(growth)) * math.exp(-abs(growth) * (cells - 1))
     if smallest < SMALLEST:
-        _fail("ratio" if first is None else "first", f"makes a cell of {smallest:.3g} of the line, below {SMALLEST:g}")
+        name = "ratio" if ratio is not None else "last" if first is None else "first"
+        fail(name, f"makes a cell of {smallest:.3g} of the line, below {SMALLEST:g}")
     steps = np.arange(cells + 1)
     if abs(growth) * cells < 1e-9:
         fractions = steps / cells
@@ -85,7 +89,7 @@ def geometric(cells: int, *, ratio: float | None = None, first: float | None = N
         fractions = np.exp((steps - cells) * growth) * np.expm1(-steps * growth) / math.expm1(-cells * growth)
     else:
         fractions = np.expm1(steps * growth) / math.expm1(cells * growth)
-    return _pinned(fractions, first, None)
+    return pinned(fractions, first, last)
 
 
 def hyperbolic_tangent(cells: int, *, first: float | None = None, last: float | None = None) -> np.ndarray:
@@ -128,18 +132,18 @@ def hyperbolic_tangent(cells: int, *, first: float | None = None, last: float | 
     >>> hyperbolic_tangent(4, first=0.01).round(3)
     array([0.   , 0.01 , 0.063, 0.308, 1.   ])
     """
-    cells = _count(cells)
+    cells = count(cells)
     if first is None and last is None:
         return uniform(cells)
     if first is None:
-        last = _fraction(last, "last", cells)
-        return _pinned(1 - hyperbolic_tangent(cells, first=last)[::-1], None, last)
-    first = _fraction(first, "first", cells)
+        last = fraction(last, "last", cells)
+        return pinned(1 - hyperbolic_tangent(cells, first=last)[::-1], None, last)
+    first = fraction(first, "first", cells)
     t = np.arange(cells + 1) / cells
     if last is None:
-        return _pinned(_one_sided(cells, first, t), first, None)
-    last = _fraction(last, "last", cells)
-    return _pinned(_two_sided(cells, first, last, t), first, last)
+        return pinned(_one_sided(cells, first, t), first, None)
+    last = fraction(last, "last", cells)
+    return pinned(_two_sided(cells, first, last, t), first, last)
 
 
 def cosine(cells: int, *, ends: Literal["both", "first", "last"] = "both") -> np.ndarray:
@@ -171,12 +175,12 @@ def cosine(cells: int, *, ends: Literal["both", "first", "last"] = "both") -> np
     """
     t = uniform(cells)
     if ends == "both":
-        return _pinned(np.sin(0.5 * np.pi * t) ** 2, None, None)
+        return pinned(np.sin(0.5 * np.pi * t) ** 2, None, None)
     if ends not in ("first", "last"):
         raise InvalidInput(f"{ends!r} is not one of both, first, last", parameter="ends")
     if ends == "first":
-        return _pinned(2 * np.sin(0.25 * np.pi * t) ** 2, None, None)
-    return _pinned(np.sin(0.5 * np.pi * t), None, None)
+        return pinned(2 * np.sin(0.25 * np.pi * t) ** 2, None, None)
+    return pinned(np.sin(0.5 * np.pi * t), None, None)
 
 
 def cells_for_growth(first: float, ratio: float) -> int:
@@ -204,7 +208,7 @@ def cells_for_growth(first: float, ratio: float) -> int:
     >>> cells_for_growth(1 / 7, 2)
     3
     """
-    first, ratio = _number(first, "first"), _number(ratio, "ratio")
+    first, ratio = number(first, "first"), number(ratio, "ratio")
     if not SMALLEST <= first <= 1:
         raise InvalidInput(f"must lie between {SMALLEST:g} and 1, got {first:g}", parameter="first")
     if ratio <= 1:
@@ -212,34 +216,6 @@ def cells_for_growth(first: float, ratio: float) -> int:
     # first (r^n - 1) / (r - 1) >= 1; the tolerance keeps an exact answer from being rounded up.
     exact = math.log1p((ratio - 1) / first) / math.log(ratio)
     return max(1, math.ceil(exact - 1e-9))
-
-
-def _count(cells: int) -> int:
-    if isinstance(cells, bool) or not math.isfinite(cells) or cells != int(cells) or cells < 1:
-        raise InvalidInput(f"needs a whole number of at least 1, got {cells!r}", parameter="cells")
-    return int(cells)
-
-
-def _number(value: float, parameter: str) -> float:
-    if not math.isfinite(value):
-        raise InvalidInput(f"must be finite, got {value}", parameter=parameter)
-    return float(value)
-
-
-def _fraction(value: float, parameter: str, cells: int) -> float:
-    """``value`` if it can be an end cell of a line with so many cells."""
-    value = _number(value, parameter)
-    if cells == 1:
-        if abs(value - 1) > 1e-12:
-            _fail(parameter, f"is {value:g} of the line, but its only cell is all of it; use more cells")
-        return 1.0
-    if not SMALLEST <= value < 1:
-        _fail(parameter, f"must be at least {SMALLEST:g} and less than 1 of the line, got {value:g}")
-    return value
-
-
-def _fail(parameter: str, message: str) -> NoReturn:
-    raise InvalidInput(message, parameter=parameter)
 
 
 def _geometric_first(cells: int, growth: float) -> float:
@@ -252,23 +228,14 @@ def _growth(cells: int, first: float) -> float:
     if cells == 1 or first * cells == 1:
         return 0.0
     if first * cells > 1:  # shrinking: 1 - first <= ratio < 1
-        return _root(lambda g: _geometric_first(cells, g) - first, math.log1p(-first) * (1 + 1e-9), -1e-12)
+        return root(lambda g: _geometric_first(cells, g) - first, math.log1p(-first) * (1 + 1e-9), -1e-12)
     # growing: the first cell is the last one of the mirror image; ratio^(cells - 1) < 1 / first
     highest = -math.log(first) / (cells - 1)
 
     def excess(g: float) -> float:
         return -(cells - 1) * g + math.log(_geometric_first(cells, -g)) - math.log(first)
 
-    return _root(excess, 1e-12, highest * (1 + 1e-9))
-
-
-def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    """Root between ``low`` and ``high``; where round-off hides the change of sign it is at the smaller of the two."""
-    from scipy.optimize import brentq  # a third of a second, which not every start should take
-
-    if function(low) * function(high) > 0:
-        return min(low, high, key=abs)
-    return brentq(function, low, high, xtol=1e-300, rtol=8.9e-16)
+    return root(excess, 1e-12, highest * (1 + 1e-9))
 
 
 def _one_sided(cells: int, first: float, t: np.ndarray) -> np.ndarray:
@@ -283,13 +250,13 @@ def _one_sided(cells: int, first: float, t: np.ndarray) -> np.ndarray:
 
         at = 1 / cells
         largest = -math.log(first) / (1 - at) + 2  # s(t) < 4 exp(-2 a (1 - t)) beyond a = 1
-        a = _root(lambda a: math.log(value(a, at)) - math.log(first), 1e-7, largest)
+        a = root(lambda a: math.log(value(a, at)) - math.log(first), 1e-7, largest)
         return value(a, t)
 
     def shrinking(a: float, t: np.ndarray | float) -> np.ndarray | float:
         return np.sin(a * t) / (np.sin(a) * np.cos(a * (1 - t)))
 
-    a = _root(lambda a: shrinking(a, 1 / cells) - first, 1e-7, math.pi / 2 * (1 - 1e-15))
+    a = root(lambda a: shrinking(a, 1 / cells) - first, 1e-7, math.pi / 2 * (1 - 1e-15))
     return shrinking(a, t)
 
 
@@ -297,11 +264,11 @@ def _two_sided(cells: int, first: float, last: float, t: np.ndarray) -> np.ndarr
     if cells == 1:
         return t
     if cells == 2 and abs(first + last - 1) > 1e-12:
-        _fail(
+        fail(
             "first", f"and last are {first:g} and {last:g} of a line of two cells and must add up to 1; use more cells"
         )
     if cells > 2 and first + last >= 1:
-        _fail("first", f"and last are {first:g} and {last:g} of the line and leave nothing between; make them smaller")
+        fail("first", f"and last are {first:g} and {last:g} of the line and leave nothing between; make them smaller")
     if cells == 2:
         return np.array([0.0, first, 1.0])
     odds = first / (1 - first), last / (1 - last)
@@ -323,21 +290,10 @@ def _stretching(cells: int, target: float) -> tuple[Callable, float]:
 
         highest = 2 + (2 - math.log(target)) / (rest - at)
         goal = math.log(target)
-        d = _root(lambda d: math.log(scaled_sinh(d, at) / scaled_sinh(d, rest)) - goal, 1e-6, highest)
+        d = root(lambda d: math.log(scaled_sinh(d, at) / scaled_sinh(d, rest)) - goal, 1e-6, highest)
         return scaled_sinh, d
 
     def sine(d: float, t: np.ndarray | float) -> np.ndarray | float:
         return np.sin(d * t)
 
-    return sine, _root(lambda d: sine(d, at) / sine(d, rest) - target, 1e-6, math.pi * (1 - 1e-15))
-
-
-def _pinned(fractions: np.ndarray, first: float | None, last: float | None) -> np.ndarray:
-    """``fractions`` with the ends and the demanded cells free of the last digits' error."""
-    fractions = np.ascontiguousarray(fractions, float)
-    fractions[0], fractions[-1] = 0.0, 1.0
-    if first is not None and len(fractions) > 2:
-        fractions[1] = first
-    if last is not None and len(fractions) > 2:
-        fractions[-2] = 1 - last
-    return fractions
+    return sine, root(lambda d: sine(d, at) / sine(d, rest) - target, 1e-6, math.pi * (1 - 1e-15))
