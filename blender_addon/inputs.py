@@ -20,13 +20,18 @@ _MODES = {"OBJECT", "EDIT"}
 
 
 def by_name(declaration: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    """The inputs that are objects chosen by name, not by selection: optional ones of faces where the first is lines."""
+    """The inputs that are objects chosen by name, not by selection.
+
+    They are those that say so, and optional ones of faces where the first is lines.
+    """
     ports = declaration["inputs"]
     first = next(iter(ports.values()), None)
     return {
         name: port
         for name, port in ports.items()
-        if port is not first and port["optional"] and _lines_only(first) and not _lines_only(port)
+        if port is not first
+        and port["optional"]
+        and (port.get("named") or (_lines_only(first) and not _lines_only(port)))
     }
 
 

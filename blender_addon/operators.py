@@ -127,7 +127,18 @@ class OperationBase:
         function = meshcore.operations()[self.identifier].function
         arguments = properties.values(self.declaration["params"], self)
         arguments |= self.extra(context, arguments)
-        return functools.partial(function, *[source.mesh for source in self._sources], **arguments)
+        given = self._given()
+        named = inputs.by_name(self.declaration)
+        positional = [source.mesh for name, source in given.items() if name not in named]
+        arguments |= {name: source.mesh for name, source in given.items() if name in named}
+        return functools.partial(function, *positional, **arguments)
+
+    def _given(self) -> dict[str, Source]:
+        """The sources by the names of their inputs: the selected ones in order, and those chosen by name."""
+        chosen = [name for name, ob in self._chosen().items() if ob]
+        named = inputs.by_name(self.declaration)
+        selected = [name for name in self.declaration["inputs"] if name not in named]
+        return dict(zip([*selected[: len(self._sources) - len(chosen)], *chosen], self._sources, strict=True))
 
     def extra(self, context: Any, arguments: dict[str, Any]) -> dict[str, Any]:
         """More keyword arguments than the properties give; for hand-written operators."""
@@ -174,7 +185,8 @@ class OperationBase:
         """One line for the user; the place of the fault selected; a traceback only for what nobody foresaw."""
         level, text = explain(error)
         if level == "ERROR":
-            marked, name = mark(error, getattr(self, "_sources", []), list(self.declaration["inputs"]))
+            given = self._given() if getattr(self, "_sources", []) else {}
+            marked, name = mark(error, list(given.values()), list(given))
             if marked:
                 text += f" ({marked} {'vertex' if marked == 1 else 'vertices'} selected on {name})"
         self.report({level}, text)

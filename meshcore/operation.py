@@ -184,12 +184,15 @@ class Port:
         One sentence: what the input must be.
     cells : tuple of str
         Kinds of cell that are accepted, e.g. ``("line",)``.
+    named : bool
+        Whether a host that takes inputs from the selection leaves this one to be chosen by name.
     name, type, optional
         Filled in from the signature.
     """
 
     description: str
     cells: tuple[str, ...] = ()
+    named: bool = False
     name: str = ""
     type: Any = None
     optional: bool = False
@@ -220,10 +223,7 @@ class Operation:
     def declaration(self) -> dict[str, Any]:
         """All that hosts see, as plain JSON-ready data."""
         params = {name: _plain_param(p) for name, p in self.params.items()}
-        inputs = {
-            name: {"label": p.label, "description": p.description, "cells": list(p.cells), "optional": p.optional}
-            for name, p in self.inputs.items()
-        }
+        inputs = {name: _plain_port(port) for name, port in self.inputs.items()}
         return {
             "label": self.label,
             "category": self.category,
@@ -232,6 +232,16 @@ class Operation:
             "inputs": inputs,
             "params": params,
         }
+
+
+def _plain_port(port: Port) -> dict[str, Any]:
+    plain = {
+        "label": port.label,
+        "description": port.description,
+        "cells": list(port.cells),
+        "optional": port.optional,
+    }
+    return {**plain, "named": True} if port.named else plain
 
 
 def _plain_param(param: Param) -> dict[str, Any]:

@@ -919,6 +919,15 @@ class meshcoreOGrid(Operation):
       <Documentation>West side: line cells in one chain, or points in order.</Documentation>
       <Hints><Optional/></Hints>
     </InputProperty>
+    <InputProperty name="Lines" label="Lines" port_index="4" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Chains of line cells inside, from side to opposite side, to become grid lines.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
     <IntVectorProperty name="CellsI" label="Cells I" command="SetCellsI" number_of_elements="1" default_values="0" panel_visibility="default">
       <IntRangeDomain name="range" min="0" max="500"/>
       <Documentation>Cells along south and north; by default as their points are given; 0 leaves it
@@ -944,9 +953,22 @@ class meshcoreOGrid(Operation):
       <DoubleRangeDomain name="range" min="0"/>
       <Documentation>Width of the cells at the west side; 0 leaves it out.</Documentation>
     </DoubleVectorProperty>
+    <IntVectorProperty name="LawI" label="Law I" command="SetLawI" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="as given"/><Entry value="1" text="uniform"/><Entry value="2" text="geometric"/><Entry value="3" text="hyperbolic tangent"/><Entry value="4" text="hyperbolic sine"/><Entry value="5" text="cosine"/><Entry value="6" text="curvature"/><Entry value="7" text="poisson"/><Entry value="8" text="copied"/></EnumerationDomain>
+      <Documentation>How points stand along south and north.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="LawJ" label="Law J" command="SetLawJ" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="as given"/><Entry value="1" text="uniform"/><Entry value="2" text="geometric"/><Entry value="3" text="hyperbolic tangent"/><Entry value="4" text="hyperbolic sine"/><Entry value="5" text="cosine"/><Entry value="6" text="curvature"/><Entry value="7" text="poisson"/><Entry value="8" text="copied"/></EnumerationDomain>
+      <Documentation>How points stand along west and east.</Documentation>
+    </IntVectorProperty>
     <IntVectorProperty name="Blending" label="Blending" command="SetBlending" number_of_elements="1" default_values="0" panel_visibility="default">
-      <EnumerationDomain name="enum"><Entry value="0" text="arc length"/><Entry value="1" text="linear"/></EnumerationDomain>
-      <Documentation>Whether the sides' spacing reaches the interior, or counts of cells alone blend.</Documentation>
+      <EnumerationDomain name="enum"><Entry value="0" text="arc length"/><Entry value="1" text="linear"/><Entry value="2" text="cubic"/></EnumerationDomain>
+      <Documentation>By the sides' lengths, by counts of cells, or smooth and at right angles with the
+      sides.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="Cure" label="Cure" command="SetCure" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="none"/><Entry value="1" text="sides"/><Entry value="2" text="lines"/><Entry value="3" text="automatic"/></EnumerationDomain>
+      <Documentation>What may be done about folded cells (overspill).</Documentation>
     </IntVectorProperty>
     <IntVectorProperty name="Corners" label="Corners" command="SetCorners" number_of_elements="4" default_values="-1 -1 -1 -1" panel_visibility="advanced">
       <IntRangeDomain name="range" min="-1 -1 -1 -1"/>
@@ -961,12 +983,15 @@ class meshcoreOGrid(Operation):
       <Property name="CellsI"/>
       <Property name="CellsJ"/>
       <Property name="Blending"/>
+      <Property name="Cure"/>
     </PropertyGroup>
     <PropertyGroup label="Spacing">
       <Property name="SpacingSouth"/>
       <Property name="SpacingEast"/>
       <Property name="SpacingNorth"/>
       <Property name="SpacingWest"/>
+      <Property name="LawI"/>
+      <Property name="LawJ"/>
     </PropertyGroup>
     <PropertyGroup label="Advanced">
       <Property name="Corners"/>
@@ -977,7 +1002,7 @@ class meshcoreOGrid(Operation):
 class meshcoreTransfiniteInterpolation(Operation):
     operation = "transfinite"
     label = "meshcore Transfinite Interpolation"
-    ports = (("south", "lines", False), ("east", "lines", True), ("north", "lines", True), ("west", "lines", True))
+    ports = (("south", "lines", False), ("east", "lines", True), ("north", "lines", True), ("west", "lines", True), ("lines", "lines", True))
     output = "vtkStructuredGrid"
 
     def SetCellsI(self, value):
@@ -998,8 +1023,17 @@ class meshcoreTransfiniteInterpolation(Operation):
     def SetSpacingWest(self, value):
         self.set("spacing_west", value or None)
 
+    def SetLawI(self, value):
+        self.set("law_i", ('as given', 'uniform', 'geometric', 'hyperbolic tangent', 'hyperbolic sine', 'cosine', 'curvature', 'poisson', 'copied')[value])
+
+    def SetLawJ(self, value):
+        self.set("law_j", ('as given', 'uniform', 'geometric', 'hyperbolic tangent', 'hyperbolic sine', 'cosine', 'curvature', 'poisson', 'copied')[value])
+
     def SetBlending(self, value):
-        self.set("blending", ('arc length', 'linear')[value])
+        self.set("blending", ('arc length', 'linear', 'cubic')[value])
+
+    def SetCure(self, value):
+        self.set("cure", ('none', 'sides', 'lines', 'automatic')[value])
 
     def SetCorners(self, *values):
         self.set("corners", *values)

@@ -43,7 +43,11 @@ def add_operation(subparsers: Any, operation: Operation) -> None:
     command = add_command(subparsers, name, run_operation, operation.summary, flags.example(operation))
     command.set_defaults(operation=operation)
     for port in operation.inputs.values():
-        last = port.name == list(operation.inputs)[-1]
+        if port.named:
+            help = flags.escaped(port.description) + " (may be left out)"
+            command.add_argument(f"--{port.name.replace('_', '-')}", type=Path, metavar="FILE", help=help)
+            continue
+        last = port.name == [other.name for other in operation.inputs.values() if not other.named][-1]
         left_out = " (may be left out)" if last else f" (may be left out; {NO_FILE} in its place where others follow)"
         help = flags.escaped(port.description) + (left_out if port.optional else "")
         command.add_argument(port.name, type=Path, nargs="?" if port.optional else None, help=help)

@@ -2,26 +2,45 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Annotated, Any, Literal, Union
 
 import numpy as np
 
-from ..errors import InvalidGeometry, InvalidInput
-from ..geometry.curves import Curve, arc_length, chains, is_closed, polyline, resampled, sharpest_corners
+from ..errors import InvalidInput
+from ..geometry.curves import Curve
 from ..mesh import Mesh, StructuredGrid
-from ..operation import Length, Param, Port, Relative, absolute, operation
+from ..operation import Length, Param, Port, Relative, operation
 from ..progress import Progress, advance, silent
 from ..quality import summary, validate
 from ..report import Report, Result
-from ..sizing import hyperbolic_tangent
-from .folds import refuse_folds
+from ..sizing import Spacing
+from .blending import Blending, Patch, interpolated
+from .folds import folded_cells, refuse_folds
+from .interior_lines import fitted_lines, fitted_sides, read_lines
 from .limits import check_size
+from .overspill import Cure, cured
+from .sides import NAMES, Asked, Sides
+
+__all__ = ["interpolated", "transfinite"]
 
 _SIDE = "line cells in one chain, or points in order"
 _CURE = (
-    "space the points of opposite sides alike, blend by arc length, move the corners, or split the patch where it folds"
+    "space the points of opposite sides alike, blend by arc length, ask for a cure, give lines inside, move the "
+    "corners, or split the patch where it folds"
 )
-Blending = Literal["arc length", "linear"]
+Law = Literal[
+    "as given",
+    "uniform",
+    "geometric",
+    "hyperbolic tangent",
+    "hyperbolic sine",
+    "cosine",
+    "curvature",
+    "poisson",
+    "copied",
+]
 
 
 @operation("Transfinite Interpolation", category="Structured", output="grid")
@@ -30,6 +49,12 @@ def transfinite(
     east: Annotated[Curve | None, Port(f"East side: {_SIDE}", cells=("line",))] = None,
     north: Annotated[Curve | None, Port(f"North side: {_SIDE}", cells=("line",))] = None,
     west: Annotated[Curve | None, Port(f"West side: {_SIDE}", cells=("line",))] = None,
+    lines: Annotated[
+        Union[Mesh, Sequence[Curve], None],
+        Port(
+            "Chains of line cells inside, from side to opposite side, to become grid lines", cells=("line",), named=True
+        ),
+    ] = None,
     *,
     cells_i: Annotated[
         int | None, Param("Cells along south and north; by default as their points are given", min=1, soft_max=500)
@@ -41,9 +66,13 @@ def transfinite(
     spacing_east: Annotated[Length | None, Param("Width of the cells at the east side", group="Spacing")] = None,
     spacing_north: Annotated[Length | None, Param("Height of the cells at the north side", group="Spacing")] = None,
     spacing_west: Annotated[Length | None, Param("Width of the cells at the west side", group="Spacing")] = None,
+    law_i: Annotated[Law, Param("How points stand along south and north", group="Spacing")] = "as given",
+    law_j: Annotated[Law, Param("How points stand along west and east", group="Spacing")] = "as given",
     blending: Annotated[
-        Blending, Param("Whether the sides' spacing reaches the interior, or counts of cells alone blend")
+        Blending,
+        Param("By the sides' lengths, by counts of cells, or smooth and at right angles with the sides"),
     ] = "arc length",
+    cure: Annotated[Cure, Param("What may be done about folded cells (overspill)")] = "none",
     corners: Annotated[
         tuple[int, int, int, int],
         Param("Points of a closed loop that are its corners; four times -1 finds them", min=-1, advanced=True),
@@ -51,12 +80,14 @@ def transfinite(
     tolerance: Annotated[Length, Param("Largest gap between ends of sides that is closed", min=0, advanced=True)] = (
         Relative(1e-6)
     ),
+    spacings: Mapping[str, Spacing] | None = None,
+    slopes: Mapping[str, np.ndarray] | None = None,
     progress: Progress = silent,
 ) -> Result:
     """Fill a four-sided patch with a structured grid by transfinite interpolation.
 
-    The four sides are kept exactly, point by point. In the plane the cells come out counter-clockwise: sides that
-    make a left-handed patch have their i reversed, and south stays at j = 0.
+    The four sides are kept exactly, point by point, and so are lines inside. In the plane the cells come out
+    counter-clockwise: sides that make a left-handed patch have their i reversed, and south stays at j = 0.
 
     ::
 
@@ -73,19 +104,36 @@ def transfinite(
     south, east, north, west : Mesh or (n, 3) float
         The sides, planar or in space, in any direction: they are turned so that they meet as drawn. With south
         alone, it must be a closed loop, which is cut at its corners.
+    lines : Mesh or sequence of Mesh or (n, 3) float, optional
+        Coordinate lines inside, in any order and number, each from a side to the opposite one; those of different
+        directions must cross. A mesh has one line a chain. They are resampled unless they have as many points as
+        the sides beside them; where `cells_i` or `cells_j` is given, points of the sides are moved to their ends.
     cells_i, cells_j : int, optional
         Cells along i and j. Left out, opposite sides must have as many points as each other; of a closed loop, the
         side with fewer points is resampled.
     spacing_south, spacing_east, spacing_north, spacing_west : Length, optional
         Size of the cells that touch that side, measured along the two sides that end there; those are resampled
-        by a hyperbolic tangent.
-    blending : {"arc length", "linear"}
+        by the law of that direction.
+    law_i, law_j : str
+        Law of the points' spacing along i and j, see `Spacing`. "as given" keeps the sides' own, or is a hyperbolic
+        tangent where a size at an end is asked for; "copied" gives north the spacing of south, or east that of west.
+    blending : {"arc length", "linear", "cubic"}
         Blending functions. "arc length" carries the spacing of the sides into the interior, as cells at a wall
-        need; "linear" blends by the cells' numbers, the textbook's choice.
+        need; "linear" blends by the cells' numbers, the textbook's choice. "cubic" is smooth across lines inside
+        (cardinal splines by arc length) and leaves the sides at right angles, or with given `slopes`.
+    cure : {"none", "sides", "lines", "automatic"}
+        What may be done where the grid folds: move the points along the sides, add lines inside, or both in turn.
+        The report tells what was done.
     corners : tuple of four int
         Numbers of the loop's corner points, in any order; all -1 picks the sharpest turns.
     tolerance : Length
-        Ends of sides that are no farther apart than this are joined.
+        Ends of sides that are no farther apart than this are joined; lines may miss sides and each other by it.
+    spacings : dict of str to Spacing, optional
+        Laws of single sides by name, in the direction in which they are drawn. From Python only.
+    slopes : dict of str to (n, 3) float, optional
+        For "cubic" blending: by the name of a side, for each of its points the step to the next line across it, in
+        the direction of i or j as drawn. Blocks that share a side and its slopes join smoothly. Sides without slopes
+        are left free. From Python only.
     progress : Progress, optional
         Called with fraction and message.
 
@@ -99,7 +147,8 @@ def transfinite(
     InvalidInput
         If opposite sides differ in their number of points, or a spacing cannot be had.
     InvalidGeometry
-        If sides do not meet, or have coincident points; the message names the gap or the points.
+        If sides do not meet, or have coincident points; the message names the gap or the points. If a line inside
+        does not connect opposite sides, or does not cross another.
     GenerationFailed
         If the grid folds over itself or its sides (overspill); `cells` are the folded ones, `partial` the grid.
 
@@ -108,7 +157,8 @@ def transfinite(
     Survey, section 2.4.1. W. J. Gordon and C. A. Hall, "Construction of curvilinear co-ordinate systems and
     applications to mesh generation", Int. J. Numer. Meth. Engng. 7 (1973). B. K. Soni, "Two- and three-dimensional
     grid generation for internal flow applications of computational fluid dynamics", AIAA 85-1526 (1985), for
-    blending by arc length.
+    blending by arc length. W. J. Gordon, "Blending-function methods of bivariate and multivariate interpolation and
+    approximation", SIAM J. Numer. Anal. 8 (1971), for lines inside.
 
     Examples
     --------
@@ -120,204 +170,59 @@ def transfinite(
     StructuredGrid(5 x 3 points)
     """
     given = {"south": south, "east": east, "north": north, "west": west}
-    spacings = {"south": spacing_south, "east": spacing_east, "north": spacing_north, "west": spacing_west}
-    sides, names = _right_handed(*_sides(given, corners, tolerance))
-    diagonal = float(np.linalg.norm(np.ptp(np.concatenate(sides), axis=0)))
-    ends = [None if spacings[n] is None else absolute(spacings[n], diagonal) for n in names]
-    n_i, n_j = (cells_i or max(map(len, sides[::2])) - 1) + 1, (cells_j or max(map(len, sides[1::2])) - 1) + 1
+    ends = {"south": spacing_south, "east": spacing_east, "north": spacing_north, "west": spacing_west}
+    sides = Sides.read(given, corners, tolerance)
+    asked = Asked(cells_i, cells_j, law_i, law_j, ends, _named(spacings, "spacings"))
+    n_i, n_j = (cells + 1 for cells in asked.cells(sides))
     check_size(n_i, n_j, parameter="cells_i" if n_i > n_j else "cells_j")
-    sides = _matched(sides, names, cells_i, cells_j, ends, loop=east is None)
-    advance(progress, 0.5, "interpolating")
-    faces = dict(zip(("jmin", "imax", "jmax", "imin"), names, strict=True))
-    grid = StructuredGrid(interpolated(*sides, blending=blending), names=faces)
-    refuse_folds(grid, _CURE)
+    fractions = asked.fractions(sides)
+    inside = [] if lines is None else read_lines(lines, sides)
+    free = {"i": cells_i is not None or sides.loop, "j": cells_j is not None or sides.loop}
+    fractions, inside = fitted_sides(sides, fractions, inside, free)
+    sides = sides.resampled(fractions)
+    sides.refuse_repeats()
+    advance(progress, 0.3, "interpolating")
+    known = fitted_lines(inside, sides)
+    patch = Patch(**sides.lines, lines_i=known["i"], lines_j=known["j"], blending=blending)
+    if blending == "cubic" and slopes is not None:
+        patch = replace(patch, slopes=_placed(slopes, sides))
+    elif slopes is not None:
+        raise InvalidInput('are matched by blending="cubic" only', parameter="slopes")
+    points = patch.points()
+    done = []
+    if cure != "none" and folded_cells(points).any():
+        advance(progress, 0.5, "curing overspill")
+        patch, points, done = cured(patch, points, cure)
+    faces = {face: sides.names[place] for face, place in zip(("jmin", "imax", "jmax", "imin"), NAMES, strict=True)}
+    grid = StructuredGrid(points, names=faces)
+    refuse_folds(grid, f"{'; '.join(done)}, which did not suffice; {_CURE}" if done else _CURE)
     validate(grid)
     counts = {"points": grid.n_points, "quads": grid.n_cells}
-    return Result(grid, Report(counts=counts, quality=summary(grid)))
+    return Result(grid, Report(counts=counts, quality=summary(grid), warnings=sides.warnings + done))
 
 
-def interpolated(
-    south: np.ndarray, east: np.ndarray, north: np.ndarray, west: np.ndarray, *, blending: Blending = "linear"
-) -> np.ndarray:
-    """The Boolean sum P_s + P_t - P_s P_t of linear projections between sides that meet exactly.
-
-    Parameters
-    ----------
-    south, north : (ni, 3) float
-        Sides at j = 0 and at the last j, in the direction of i.
-    east, west : (nj, 3) float
-        Sides at the last i and at i = 0, in the direction of j.
-    blending : {"linear", "arc length"}
-        Whether s and t are the cells' numbers or the sides' lengths, see `transfinite`.
-
-    Returns
-    -------
-    (ni, nj, 3) float
-        Points whose outermost rows are the sides, to the last bit.
-
-    Examples
-    --------
-    >>> x, y = np.array([0, 0.5, 1]), np.zeros(3)
-    >>> south, west = np.column_stack([x, y, y]), np.column_stack([y, x, y])
-    >>> interpolated(south, west + [1, 0, 0], south + [0, 1, 0], west)[1, 1]
-    array([0.5, 0.5, 0. ])
-    """
-    if blending == "linear":
-        s = np.linspace(0, 1, len(south))[:, None]
-        t = np.linspace(0, 1, len(west))[None, :]
-    else:
-        s, t = _by_length(south, east, north, west)
-    s, t = s[..., None], t[..., None]
-    along_s = (1 - s) * west[None] + s * east[None]
-    along_t = (1 - t) * south[:, None] + t * north[:, None]
-    product = (1 - s) * ((1 - t) * south[0] + t * north[0]) + s * ((1 - t) * south[-1] + t * north[-1])
-    points = along_s + along_t - product
-    points[:, 0], points[:, -1], points[0], points[-1] = south, north, west, east  # to the last bit
-    return points
+def _named(values: Mapping[str, Any] | None, parameter: str) -> Mapping[str, Any]:
+    unknown = set(values or {}) - set(NAMES)
+    if unknown:
+        raise InvalidInput(f"{sorted(unknown)[0]!r} is no side; sides are {', '.join(NAMES)}", parameter=parameter)
+    return values or {}
 
 
-def _by_length(south, east, north, west) -> tuple[np.ndarray, np.ndarray]:
-    """(ni, nj) s and t whose lines are straight between the fractions of length on opposite sides.
-
-    ``s = (1 - t) s_south + t s_north`` and ``t = (1 - s) t_west + s t_east`` (Soni 1985) are linear in each other.
-    """
-    s_south, s_north, t_west, t_east = (_fractions(side) for side in (south, north, west, east))
-    s0, ds = s_south[:, None], (s_north - s_south)[:, None]
-    t0, dt = t_west[None, :], (t_east - t_west)[None, :]
-    across = 1 - ds * dt
-    return (s0 + t0 * ds) / across, (t0 + s0 * dt) / across
-
-
-def _fractions(side: np.ndarray) -> np.ndarray:
-    length = arc_length(side)
-    return length / length[-1]
-
-
-def _sides(given: dict[str, Curve | None], corners, tolerance) -> list[np.ndarray]:
-    """The four sides, directed as drawn and meeting exactly."""
-    missing = [name for name, side in given.items() if side is None]
-    if missing == ["east", "north", "west"]:
-        return _cut(given["south"], corners)
-    if missing:
-        raise InvalidInput("is missing; give all four sides, or one closed loop as south", parameter=missing[0])
-    lines = {name: polyline(side, name) for name, side in given.items()}
-    everything = np.concatenate(list(lines.values()))
-    gap = absolute(tolerance, float(np.linalg.norm(np.ptp(everything, axis=0))))
-    return _joined(lines, gap)
-
-
-def _cut(curve: Curve, corners: tuple[int, ...]) -> list[np.ndarray]:
-    """Cut a closed loop at four corners into south, east, north, west."""
-    loop = polyline(curve, "south")
-    n = len(loop) - 1
-    # Points are numbered as the user numbers them: in a mesh, not in the order of the chain.
-    number = chains(curve)[0] if isinstance(curve, Mesh) and len(curve.get("line")) else np.arange(n + 1)
-    if not is_closed(loop):
-        raise InvalidGeometry(
-            "is open; close the loop, or give all four sides", parameter="south", points=number[[0, -1]]
-        )
-    if set(corners) == {-1}:
-        at = sharpest_corners(loop)
-    else:
-        at = np.flatnonzero(np.isin(number[:-1], corners))
-    if len(at) != 4:
-        raise InvalidInput(f"needs four different points of the loop, got {tuple(corners)}", parameter="corners")
-    stops = np.append(at[1:], at[0] + n)
-    south, east, north, west = (loop[np.arange(a, b + 1) % n] for a, b in zip(at, stops, strict=True))
-    return [south, east, north[::-1], west[::-1]]
-
-
-def _right_handed(south, east, north, west) -> tuple[list[np.ndarray], list[str]]:
-    """The sides and their names; in a plane of constant z, with i reversed if they run clockwise."""
-    sides = [south, east, north, west]
-    loop = np.concatenate([south[:-1], east[:-1], north[:0:-1], west[:0:-1]])
-    x, y, z = loop.T
-    clockwise = (x * np.roll(y, -1) - y * np.roll(x, -1)).sum() < 0
-    if clockwise and (z == z[0]).all():
-        return [south[::-1], west, north[::-1], east], ["south", "west", "north", "east"]
-    return sides, ["south", "east", "north", "west"]
-
-
-def _joined(lines: dict[str, np.ndarray], gap: float) -> list[np.ndarray]:
-    """Direct the sides as drawn and close gaps up to ``gap``; south keeps its direction if it can."""
-
-    def distance(a: np.ndarray, b: np.ndarray) -> float:
-        return float(np.linalg.norm(a - b))
-
-    best: tuple[float, list[np.ndarray]] | None = None
-    for turn in range(16):
-        s, e, n, w = (line[::-1] if turn >> k & 1 else line for k, line in enumerate(lines.values()))
-        gaps = [distance(s[0], w[0]), distance(s[-1], e[0]), distance(e[-1], n[-1]), distance(w[-1], n[0])]
-        if best is None or max(gaps) < best[0]:
-            best = (max(gaps), [s, e, n, w])
-            worst = int(np.argmax(gaps))
-    if best[0] > gap:
-        corner = ("south and west", "south and east", "east and north", "west and north")[worst]
-        raise InvalidGeometry(
-            f"{corner} end {best[0]:.6g} apart; move their ends together, or raise tolerance above that",
-            parameter=corner.split()[0],
-        )
-    south, east, north, west = (side.copy() for side in best[1])
-    west[0], east[0], east[-1], west[-1] = south[0], south[-1], north[-1], north[0]
-    return [south, east, north, west]
-
-
-def _matched(sides, names, cells_i, cells_j, ends, *, loop: bool) -> list[np.ndarray]:
-    """The sides with as many points as their opposites, and with the spacings that were asked for at their ends."""
-    south, east, north, west = sides
-    if loop:  # its corners were found, not given, so nobody can know how many points each side has
-        cells_i = cells_i or max(len(south), len(north)) - 1
-        cells_j = cells_j or max(len(west), len(east)) - 1
-    near_south, near_east, near_north, near_west = ends
-    at_i = {"first": near_west, "last": near_east}
-    at_j = {"first": near_south, "last": near_north}
-    south, north = _matched_pair(south, north, cells_i, (names[0], names[2], "cells_i"), at_i, (names[3], names[1]))
-    west, east = _matched_pair(west, east, cells_j, (names[3], names[1], "cells_j"), at_j, (names[0], names[2]))
-    sides = [south, east, north, west]
-    for name, side in zip(names, sides, strict=True):
-        repeated = np.flatnonzero((side[1:] == side[:-1]).all(axis=1))
-        if len(repeated):
-            raise InvalidGeometry(
-                f"points {repeated[0]} and {repeated[0] + 1} coincide; remove one, or resample by cells_i and cells_j",
-                parameter=name,
-                points=repeated,
-            )
-    return sides
-
-
-def _matched_pair(a, b, cells, names, ends, end_names) -> tuple[np.ndarray, np.ndarray]:
-    """Two opposite sides resampled to ``cells``, and with ``ends`` at the two sides called ``end_names``."""
-    name_a, name_b, parameter = names
-    if cells is None:
-        if len(a) != len(b):
+def _placed(slopes: Mapping[str, np.ndarray], sides: Sides) -> dict[str, np.ndarray]:
+    """Slopes by the place where their side now is, in the direction of the new i and j."""
+    placed = {}
+    for place, name in sides.names.items():
+        if name not in _named(slopes, "slopes"):
+            continue
+        try:
+            slope = Mesh(slopes[name], {}).points
+        except InvalidInput as error:
+            raise InvalidInput(f"of {name}: {error}", parameter="slopes") from None
+        if slope.shape != sides.lines[place].shape:
             raise InvalidInput(
-                f"{name_a} has {len(a)} points, {name_b} {len(b)}; give {parameter} to resample both", parameter=name_b
+                f"of {name} has {len(slope)} vectors for {len(sides.lines[place])} points", parameter="slopes"
             )
-        cells = len(a) - 1
-    if any(end is not None for end in ends.values()):
-        return _clustered(a, cells, ends, end_names), _clustered(b, cells, ends, end_names)
-    return _with_cells(a, cells), _with_cells(b, cells)
-
-
-def _with_cells(side: np.ndarray, cells: int) -> np.ndarray:
-    """``side`` with a number of cells; its own relative spacing is stretched, not lost."""
-    if len(side) == cells + 1:
-        return side
-    spacing = np.interp(np.linspace(0, 1, cells + 1), np.linspace(0, 1, len(side)), _fractions(side))
-    return resampled(side, spacing)
-
-
-def _clustered(side: np.ndarray, cells: int, ends: dict[str, float | None], end_names) -> np.ndarray:
-    """``side`` resampled to ``cells`` with the given first and last cell."""
-    length = arc_length(side)[-1]
-    fractions = {end: None if size is None else size / length for end, size in ends.items()}
-    try:
-        return resampled(side, hyperbolic_tangent(cells, **fractions))
-    except InvalidInput as error:
-        name = end_names[0 if error.parameter == "first" else 1]
-        size = ends[error.parameter]
-        raise InvalidInput(
-            f"{size:.6g} does not fit a side of length {length:.6g} with {cells} cells: {error}; "
-            "change it or the number of cells",
-            parameter=f"spacing_{name}",
-        ) from None
+        if sides.turned:
+            slope = slope[::-1] if place in ("south", "north") else -slope
+        placed[place] = slope
+    return placed

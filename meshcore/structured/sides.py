@@ -1,0 +1,251 @@
+"""The four sides of a patch: read, turned so that they meet as drawn, joined, and given their points."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from itertools import product
+
+import numpy as np
+
+from ..errors import InvalidGeometry, InvalidInput
+from ..geometry.curves import Curve, arc_length, chains, is_closed, polyline, resampled, sharpest_corners
+from ..mesh import Mesh
+from ..operation import Length, absolute
+from ..sizing import Spacing, copied
+
+NAMES = ("south", "east", "north", "west")
+
+
+@dataclass(frozen=True, eq=False)
+class Sides:
+    """Four polylines that meet at their ends, right-handed where they lie in a plane of constant z.
+
+    Attributes
+    ----------
+    lines : dict of str to (n, 3) float
+        By the place that the side now has: south and north run along i, west and east along j.
+    names : dict of str to str
+        By place, the name under which the user gave it: in a patch that had to be turned, "west" stands in the east.
+    gap : float
+        How far apart ends may be that are joined.
+    loop : bool
+        Whether the sides were cut from a loop, so that nobody can know how many points each has.
+    warnings : list of str
+        What was turned.
+    """
+
+    lines: dict[str, np.ndarray]
+    names: dict[str, str]
+    gap: float
+    loop: bool = False
+    warnings: list[str] = field(default_factory=list)
+
+    @property
+    def diagonal(self) -> float:
+        """Length of the bounding box's diagonal."""
+        return float(np.linalg.norm(np.ptp(np.concatenate(list(self.lines.values())), axis=0)))
+
+    @property
+    def turned(self) -> bool:
+        """Whether i was reversed."""
+        return self.names["west"] != "west"
+
+    @classmethod
+    def read(cls, given: Mapping[str, Curve | None], corners: tuple[int, ...], tolerance: Length) -> Sides:
+        """The sides as the user gave them: all four, or one closed loop as south."""
+        missing = [name for name, side in given.items() if side is None]
+        names = dict(zip(NAMES, NAMES, strict=True))
+        if missing == ["east", "north", "west"]:
+            lines = _cut(given["south"], corners)
+            extent = float(np.linalg.norm(np.ptp(np.concatenate(list(lines.values())), axis=0)))
+            return cls(lines, names, absolute(tolerance, extent), loop=True)._right_handed()
+        if missing:
+            raise InvalidInput("is missing; give all four sides, or one closed loop as south", parameter=missing[0])
+        read = {name: polyline(side, name) for name, side in given.items()}
+        extent = float(np.linalg.norm(np.ptp(np.concatenate(list(read.values())), axis=0)))
+        gap = absolute(tolerance, extent)
+        lines, reversed_ = _joined(read, gap)
+        warnings = [f"{name} ran the other way and was reversed" for name in reversed_]
+        return cls(lines, names, gap, warnings=warnings)._right_handed()
+
+    def _right_handed(self) -> Sides:
+        """The same; in a plane of constant z, with i reversed if the sides run clockwise."""
+        south, east, north, west = (self.lines[name] for name in NAMES)
+        x, y, z = np.concatenate([south[:-1], east[:-1], north[:0:-1], west[:0:-1]]).T
+        clockwise = (x * np.roll(y, -1) - y * np.roll(x, -1)).sum() < 0
+        if not clockwise or not (z == z[0]).all():
+            return self
+        lines = dict(zip(NAMES, (south[::-1], west, north[::-1], east), strict=True))
+        names = dict(zip(NAMES, ("south", "west", "north", "east"), strict=True))
+        warnings = [] if self.loop else ["the sides run clockwise: i was reversed, and runs from east to west"]
+        return Sides(lines, names, self.gap, self.loop, self.warnings + warnings)
+
+    def refuse_repeats(self) -> None:
+        """Raise `InvalidGeometry` if neighbouring points of a side coincide."""
+        for place, side in self.lines.items():
+            repeated = np.flatnonzero((side[1:] == side[:-1]).all(axis=1))
+            if len(repeated):
+                raise InvalidGeometry(
+                    f"points {repeated[0]} and {repeated[0] + 1} coincide; "
+                    "remove one, or resample by cells_i and cells_j",
+                    parameter=self.names[place],
+                    points=repeated,
+                )
+
+    def resampled(self, fractions: Mapping[str, np.ndarray | None]) -> Sides:
+        """The sides with points at fractions of their lengths, or as they are where those are None."""
+        lines = {
+            place: line if fractions[place] is None else resampled(line, fractions[place])
+            for place, line in self.lines.items()
+        }
+        return Sides(lines, self.names, self.gap, self.loop, self.warnings)
+
+
+def fractions_of(side: np.ndarray) -> np.ndarray:
+    """(n,) float: fraction of a polyline's length up to each point."""
+    length = arc_length(side)
+    return length / length[-1]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What the user asks of the points on the sides.
+
+    Attributes
+    ----------
+    cells_i, cells_j : int or None
+        Numbers of cells.
+    law_i, law_j : str
+        "as given", or a law of `Spacing` for the sides along i and along j.
+    ends : dict of str to Length or None
+        By the user's name of a side, the length of the cells that touch it.
+    spacings : dict of str to Spacing
+        By the user's name of a side, its own law, in the direction in which it is drawn.
+    """
+
+    cells_i: int | None
+    cells_j: int | None
+    law_i: str
+    law_j: str
+    ends: Mapping[str, Length | None]
+    spacings: Mapping[str, Spacing]
+
+    def cells(self, sides: Sides) -> tuple[int, int]:
+        """Cells along i and j, at least; what the sides do not agree on is found out by `fractions`."""
+        lines = sides.lines
+        along_i = self.cells_i or max(len(lines["south"]), len(lines["north"])) - 1
+        return along_i, self.cells_j or max(len(lines["west"]), len(lines["east"])) - 1
+
+    def fractions(self, sides: Sides) -> dict[str, np.ndarray | None]:
+        """By place, fractions of length at which a side gets its points; None where it keeps its own."""
+        found: dict[str, np.ndarray | None] = {}
+        for pair, between, law, given, parameter in (
+            (("south", "north"), ("west", "east"), self.law_i, self.cells_i, "cells_i"),
+            (("west", "east"), ("south", "north"), self.law_j, self.cells_j, "cells_j"),
+        ):
+            names = tuple(sides.names[place] for place in pair)
+            counts = [len(sides.lines[place]) - 1 for place in pair]
+            if given is None and counts[0] != counts[1] and not sides.loop:
+                raise InvalidInput(
+                    f"{names[0]} has {counts[0] + 1} points, {names[1]} {counts[1] + 1}; "
+                    f"give {parameter} to resample both",
+                    parameter=names[1],
+                )
+            cells = given or max(counts)
+            for place in pair:
+                spacing = self._spacing(sides, pair, between, place, law)
+                found[place] = self._along(sides, place, cells, spacing, between)
+        return found
+
+    def _spacing(self, sides: Sides, pair, between, place: str, law: str) -> Spacing | None:
+        """The law of one side, in the direction in which it now runs; None if it keeps its own spacing."""
+        if sides.names[place] in self.spacings:
+            return self.spacings[sides.names[place]]
+        first, last = (self.ends[sides.names[end]] for end in between)
+        if law == "copied":
+            source = next(p for p in pair if sides.names[p] in ("south", "west"))
+            return Spacing("copied", source=sides.lines[source])
+        if law != "as given" or first is not None or last is not None:
+            try:
+                return Spacing("hyperbolic tangent" if law == "as given" else law, first=first, last=last)
+            except InvalidInput as error:
+                name = sides.names[between[error.parameter == "last"]]
+                raise InvalidInput(str(error).partition(": ")[2], parameter=f"spacing_{name}") from None
+        return None
+
+    def _along(self, sides: Sides, place: str, cells: int, spacing: Spacing | None, between) -> np.ndarray | None:
+        line = sides.lines[place]
+        if spacing is None:
+            return None if len(line) == cells + 1 else copied(cells, _distinct(line))
+        name = sides.names[place]
+        backwards = name in self.spacings and sides.turned and place in ("south", "north")
+        try:
+            found = spacing.fractions(cells, line[::-1] if backwards else line, diagonal=sides.diagonal)
+        except InvalidInput as error:
+            raise self._misfit(error, spacing, sides, line, cells, name, between) from None
+        return 1 - found[::-1] if backwards else found
+
+    def _misfit(self, error, spacing, sides, line, cells, name, between) -> InvalidInput:
+        """An error of a law, told of the parameter that the user gave."""
+        if name in self.spacings or error.parameter not in ("first", "last"):
+            return InvalidInput(f"{error}; change it or the number of cells", parameter=name)
+        end = sides.names[between[error.parameter == "last"]]
+        size = absolute(getattr(spacing, error.parameter), sides.diagonal)
+        return InvalidInput(
+            f"{size:.6g} does not fit a side of length {arc_length(line)[-1]:.6g} with {cells} cells: {error}; "
+            "change it or the number of cells",
+            parameter=f"spacing_{end}",
+        )
+
+
+def _distinct(line: np.ndarray) -> np.ndarray:
+    """A polyline without points that repeat the one before."""
+    return line[np.append(True, (line[1:] != line[:-1]).any(axis=1))]
+
+
+def _cut(curve: Curve, corners: tuple[int, ...]) -> dict[str, np.ndarray]:
+    """Cut a closed loop at four corners into south, east, north, west."""
+    loop = polyline(curve, "south")
+    n = len(loop) - 1
+    # Points are numbered as the user numbers them: in a mesh, not in the order of the chain.
+    number = chains(curve)[0] if isinstance(curve, Mesh) and len(curve.get("line")) else np.arange(n + 1)
+    if not is_closed(loop):
+        raise InvalidGeometry(
+            "is open; close the loop, or give all four sides", parameter="south", points=number[[0, -1]]
+        )
+    if set(corners) == {-1}:
+        at = sharpest_corners(loop)
+    else:
+        at = np.flatnonzero(np.isin(number[:-1], corners))
+    if len(at) != 4:
+        raise InvalidInput(f"needs four different points of the loop, got {tuple(corners)}", parameter="corners")
+    stops = np.append(at[1:], at[0] + n)
+    south, east, north, west = (loop[np.arange(a, b + 1) % n] for a, b in zip(at, stops, strict=True))
+    return dict(zip(NAMES, (south, east, north[::-1], west[::-1]), strict=True))
+
+
+def _joined(lines: dict[str, np.ndarray], gap: float) -> tuple[dict[str, np.ndarray], list[str]]:
+    """Direct the sides as drawn and close gaps up to ``gap``; also names of the reversed ones, as few as may be."""
+
+    def gaps(turn: tuple[bool, ...]) -> np.ndarray:
+        s, e, n, w = (line[::-1] if back else line for back, line in zip(turn, lines.values(), strict=True))
+        pairs = ((s[0], w[0]), (s[-1], e[0]), (e[-1], n[-1]), (w[-1], n[0]))
+        return np.array([np.linalg.norm(a - b) for a, b in pairs])
+
+    # South first is not reversed, and of equal gaps the first is taken.
+    turns = sorted(product((False, True), repeat=4), key=sum)
+    best = min(turns, key=lambda turn: gaps(turn).max())
+    apart = gaps(best)
+    if apart.max() > gap:
+        corner = ("south and west", "south and east", "east and north", "west and north")[int(np.argmax(apart))]
+        raise InvalidGeometry(
+            f"{corner} end {apart.max():.6g} apart; move their ends together, or raise tolerance above that",
+            parameter=corner.split()[0],
+        )
+    south, east, north, west = (
+        (ln[::-1] if back else ln).copy() for back, ln in zip(best, lines.values(), strict=True)
+    )
+    west[0], east[0], east[-1], west[-1] = south[0], south[-1], north[-1], north[0]
+    reversed_ = [name for back, name in zip(best, lines, strict=True) if back]
+    return dict(zip(NAMES, (south, east, north, west), strict=True)), reversed_
