@@ -12,13 +12,13 @@ import numpy as np
 from ..errors import GenerationFailed, InvalidGeometry, InvalidInput
 from ..geometry import predicates
 from ..progress import Progress, advance, part_of, silent
+from ..threads import available_threads
 from . import _delaunay_3d_kernels as kernels
 from . import _insertion_order_kernels as order_kernels
 from . import _tetrahedra_kernels as layout
 from .insertion_order import insertion_order
 from .space_cells import MAX_POINTS, Lists, SpaceCells
 from .thin_clouds import places_along_line_in_space
-from .threads import available_threads
 
 _POINTS_A_CHUNK = 20_000
 _CELLS_A_RANGE = 32_768

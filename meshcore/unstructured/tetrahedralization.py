@@ -12,6 +12,7 @@ from ..geometry import predicates
 from ..geometry.location import Location
 from ..mesh import Mesh
 from ..progress import Progress, part_of, silent
+from ..threads import checked_threads
 from . import _tetrahedra_export_kernels as export_kernels
 from . import _tetrahedra_kernels as layout
 from . import _tetrahedra_location_kernels as location_kernels
@@ -26,7 +27,6 @@ from .space_insertion import (
     safe_exponent,
     space_order,
 )
-from .threads import checked_threads
 
 # What is smaller than this beside an extent of one could underflow in a predicate's products.
 _NEGLIGIBLE = 2.0 ** (predicates.LOWEST_BIT + 53)

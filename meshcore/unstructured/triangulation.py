@@ -12,13 +12,13 @@ from ..geometry import predicates
 from ..geometry.location import Location
 from ..mesh import Mesh
 from ..progress import Progress, part_of, silent
+from ..threads import available_threads, checked_threads
 from . import _delaunay_kernels as kernels
 from . import _half_edge_kernels as half_edges
 from .half_edge_arrays import Scratch, grown
 from .insertion_order import InsertionOrder, insertion_order
 from .point_insertion import insert, insert_on_threads
 from .thin_clouds import planar_order
-from .threads import available_threads, checked_threads
 
 __all__ = ["Scratch", "Triangulation", "grown", "triangulated"]
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import numbers
 import os
+from collections.abc import Callable
+from concurrent.futures import Executor
 
-from ..errors import InvalidInput
+from .errors import InvalidInput
 
 MOST_THREADS = 255
 """Parts are numbered by one byte."""
@@ -42,3 +45,23 @@ def available_threads() -> int:
     True
     """
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def in_parts(pool: Executor | None, parts: int, work: Callable[..., object], start: int, stop: int) -> None:
+    """Call ``work(first, last)`` on at most ``parts`` equal parts of ``range(start, stop)`` at once, and wait for all.
+
+    The work must give the same whatever the parts are.
+
+    Examples
+    --------
+    >>> in_parts(None, 1, lambda first, last: print(first, last), 0, 5)
+    0 5
+    """
+    stops = [start + (stop - start) * k // parts for k in range(parts + 1)]
+    parted = [(first, last) for first, last in itertools.pairwise(stops) if first < last]
+    if pool is None or len(parted) < 2:
+        for first, last in parted:
+            work(first, last)
+    else:
+        for future in [pool.submit(work, first, last) for first, last in parted]:
+            future.result()
