@@ -11,7 +11,7 @@ from .operation import Length, Relative, operations
 from .progress import Progress, silent
 from .report import Report, Result
 from .sizing import discretised
-from .structured import o_grid, transfinite
+from .structured import o_grid, transfinite, transfinite_volume
 from .unstructured import (
     Tetrahedralization,
     Triangulation,
@@ -57,6 +57,7 @@ __all__ = [
     "silent",
     "smoothed",
     "transfinite",
+    "transfinite_volume",
     "voronoi_2d",
     "voronoi_3d",
 ]

@@ -10,7 +10,7 @@ import numpy as np
 from . import io
 from .errors import InvalidInput
 from .geometry.curves import lines_through, polyline
-from .mesh import Mesh
+from .mesh import Mesh, StructuredGrid
 from .operation import operations
 from .progress import Progress, advance, part_of, silent
 from .sizing.around_loop import respaced_loop
@@ -98,6 +98,22 @@ def wavy_sides(n: int = 16, m: int = 8) -> tuple[np.ndarray, np.ndarray, np.ndar
     east = np.column_stack([2 + 0.1 * np.sin(np.pi * t), t, zero(t)])
     west = np.column_stack([-0.1 * np.sin(np.pi * t), t, zero(t)])
     return south, east, north, west
+
+
+def twisted_cage(n: int = 8, m: int = 6, layers: int = 5) -> Mesh:
+    """Closed surface of quads around a passage that turns by 30 degrees, of ``n`` by ``m`` by ``layers`` cells.
+
+    Examples
+    --------
+    >>> twisted_cage(3, 2, 2)
+    Mesh(34 points, 32 quad)
+    """
+    x, y, z = np.meshgrid(*(np.linspace(0, 1, count + 1) for count in (n, m, layers)), indexing="ij")
+    angle = np.radians(30) * z
+    u, v = x - 0.5, (y - 0.5) * (1 + 0.3 * np.sin(np.pi * z))
+    points = np.stack([u * np.cos(angle) - v * np.sin(angle), u * np.sin(angle) + v * np.cos(angle), 1.5 * z], axis=-1)
+    skin = StructuredGrid(points).to_mesh().boundary.compacted()
+    return Mesh(skin.points, skin.cells)
 
 
 def airfoils() -> list[str]:
@@ -232,6 +248,7 @@ def arguments(identifier: str) -> tuple[tuple[Any, ...], dict[str, Any]]:
     calls: dict[str, tuple[tuple[Any, ...], dict[str, Any]]] = {
         "o_grid": ((airfoil("naca0012"),), {"radius": 4.0, "first_height": 0.01, "growth": 1.3}),
         "transfinite": (tuple(lines_through(side) for side in wavy_sides()), {}),
+        "transfinite_volume": ((twisted_cage(),), {}),
         "constrained_delaunay": ((square_with_hole(),), {}),
         "delaunay_3d": ((cloud_in_a_ball(),), {}),
         "discretised": ((square_with_hole(),), {"size": 0.08, "gradation": 0.5}),

@@ -1043,6 +1043,180 @@ class meshcoreTransfiniteInterpolation(Operation):
 
 
 
+@smproxy.filter(name="meshcoreTransfiniteVolume", label="meshcore Transfinite Volume", support_reload=False)
+@smhint.xml('<ShowInMenu category="meshcore"/>')
+@smproperty.xml(
+    """
+    <Documentation short_help="Transfinite Volume">Fill a block with hexahedra by transfinite interpolation between
+    its six faces or twelve edges.</Documentation>
+    <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Face at the start of i: quads in rows and columns; or the whole: a closed surface of
+      quads.</Documentation>
+    </InputProperty>
+    <InputProperty name="Imax" label="Imax" port_index="1" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Face at the end of i: quads in rows and columns.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
+    <InputProperty name="Jmin" label="Jmin" port_index="2" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Face at the start of j: quads in rows and columns.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
+    <InputProperty name="Jmax" label="Jmax" port_index="3" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Face at the end of j: quads in rows and columns.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
+    <InputProperty name="Kmin" label="Kmin" port_index="4" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Face at the start of k: quads in rows and columns.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
+    <InputProperty name="Kmax" label="Kmax" port_index="5" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Face at the end of k: quads in rows and columns.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
+    <IntVectorProperty name="CellsI" label="Cells I" command="SetCellsI" number_of_elements="1" default_values="0" panel_visibility="default">
+      <IntRangeDomain name="range" min="0" max="200"/>
+      <Documentation>Cells along i; by default as points are given; 0 leaves it out.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="CellsJ" label="Cells J" command="SetCellsJ" number_of_elements="1" default_values="0" panel_visibility="default">
+      <IntRangeDomain name="range" min="0" max="200"/>
+      <Documentation>Cells along j; by default as points are given; 0 leaves it out.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="CellsK" label="Cells K" command="SetCellsK" number_of_elements="1" default_values="0" panel_visibility="default">
+      <IntRangeDomain name="range" min="0" max="200"/>
+      <Documentation>Cells along k; by default as points are given; 0 leaves it out.</Documentation>
+    </IntVectorProperty>
+    <DoubleVectorProperty name="SpacingImin" label="Spacing Imin" command="SetSpacingImin" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Height of the cells at imin; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="SpacingImax" label="Spacing Imax" command="SetSpacingImax" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Height of the cells at imax; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="SpacingJmin" label="Spacing Jmin" command="SetSpacingJmin" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Height of the cells at jmin; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="SpacingJmax" label="Spacing Jmax" command="SetSpacingJmax" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Height of the cells at jmax; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="SpacingKmin" label="Spacing Kmin" command="SetSpacingKmin" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Height of the cells at kmin; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="SpacingKmax" label="Spacing Kmax" command="SetSpacingKmax" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Height of the cells at kmax; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <IntVectorProperty name="Law" label="Law" command="SetLaw" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="as given"/><Entry value="1" text="uniform"/><Entry value="2" text="geometric"/><Entry value="3" text="hyperbolic tangent"/><Entry value="4" text="hyperbolic sine"/><Entry value="5" text="cosine"/><Entry value="6" text="curvature"/><Entry value="7" text="poisson"/></EnumerationDomain>
+      <Documentation>How points stand along the edges.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="Blending" label="Blending" command="SetBlending" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="arc length"/><Entry value="1" text="linear"/><Entry value="2" text="cubic"/></EnumerationDomain>
+      <Documentation>By the edges' lengths, by counts of cells, or smooth and at right angles with the
+      faces.</Documentation>
+    </IntVectorProperty>
+    <DoubleVectorProperty name="Tolerance" label="Tolerance" command="SetTolerance" number_of_elements="1" default_values="-1" panel_visibility="advanced">
+      <BoundsDomain name="range" mode="scaled_extent" scale_factor="1e-06"><RequiredProperties><Property name="Input" function="Input"/></RequiredProperties></BoundsDomain>
+      <Documentation>Largest gap between edges that is closed; -1 takes 0.0001% of the diagonal of the input's
+      bounding box.</Documentation>
+    </DoubleVectorProperty>
+    <PropertyGroup label="Parameters">
+      <Property name="CellsI"/>
+      <Property name="CellsJ"/>
+      <Property name="CellsK"/>
+      <Property name="Blending"/>
+    </PropertyGroup>
+    <PropertyGroup label="Spacing">
+      <Property name="SpacingImin"/>
+      <Property name="SpacingImax"/>
+      <Property name="SpacingJmin"/>
+      <Property name="SpacingJmax"/>
+      <Property name="SpacingKmin"/>
+      <Property name="SpacingKmax"/>
+      <Property name="Law"/>
+    </PropertyGroup>
+    <PropertyGroup label="Advanced">
+      <Property name="Tolerance"/>
+    </PropertyGroup>
+    """
+)
+class meshcoreTransfiniteVolume(Operation):
+    operation = "transfinite_volume"
+    label = "meshcore Transfinite Volume"
+    ports = (("imin", "mesh", False), ("imax", "mesh", True), ("jmin", "mesh", True), ("jmax", "mesh", True), ("kmin", "mesh", True), ("kmax", "mesh", True))
+    output = "vtkStructuredGrid"
+
+    def SetCellsI(self, value):
+        self.set("cells_i", value or None)
+
+    def SetCellsJ(self, value):
+        self.set("cells_j", value or None)
+
+    def SetCellsK(self, value):
+        self.set("cells_k", value or None)
+
+    def SetSpacingImin(self, value):
+        self.set("spacing_imin", value or None)
+
+    def SetSpacingImax(self, value):
+        self.set("spacing_imax", value or None)
+
+    def SetSpacingJmin(self, value):
+        self.set("spacing_jmin", value or None)
+
+    def SetSpacingJmax(self, value):
+        self.set("spacing_jmax", value or None)
+
+    def SetSpacingKmin(self, value):
+        self.set("spacing_kmin", value or None)
+
+    def SetSpacingKmax(self, value):
+        self.set("spacing_kmax", value or None)
+
+    def SetLaw(self, value):
+        self.set("law", ('as given', 'uniform', 'geometric', 'hyperbolic tangent', 'hyperbolic sine', 'cosine', 'curvature', 'poisson')[value])
+
+    def SetBlending(self, value):
+        self.set("blending", ('arc length', 'linear', 'cubic')[value])
+
+    def SetTolerance(self, value):
+        self.set("tolerance", value if value >= 0 else BY_DEFAULT)
+
+
+
 @smproxy.filter(name="meshcoreConstrainedDelaunay", label="meshcore Constrained Delaunay", support_reload=False)
 @smhint.xml('<ShowInMenu category="meshcore"/>')
 @smproperty.xml(

@@ -82,6 +82,46 @@ def coons(south, east, north, west, s, t):
     return points
 
 
+def gordon_hall(faces, u, v, w):
+    """A block point by point, by all 26 terms of Gordon and Hall's formula; u, v, w are (ni, nj, nk) values."""
+    west, east, front, back, low, high = faces
+    ni, nj, nk = len(low), len(low[0]), len(west[0])
+    points = np.empty((ni, nj, nk, 3))
+    for i, j, k in itertools.product(range(ni), range(nj), range(nk)):
+        a, b, c = ((1 - x[i, j, k], x[i, j, k]) for x in (u, v, w))
+        ends = (0, 1)
+        first = sum(
+            a[p] * (west, east)[p][j][k] + b[p] * (front, back)[p][i][k] + c[p] * (low, high)[p][i][j] for p in ends
+        )
+        second, third = 0.0, 0.0
+        for p, q in itertools.product(ends, ends):
+            second = second + a[p] * b[q] * (west, east)[p][-q][k]
+            second = second + a[p] * c[q] * (west, east)[p][j][-q]
+            second = second + b[p] * c[q] * (front, back)[p][i][-q]
+            for r in ends:
+                third = third + a[p] * b[q] * c[r] * (west, east)[p][-q][-r]
+        points[i, j, k] = first - second + third
+    return points
+
+
+def crossing_of_edges(u_edges, v_edges, w_edges):
+    """(3, ni, nj, nk) u, v, w of blending by length, by sweeping the equations; edges in the order 00, 10, 01, 11."""
+
+    def between(edges, n, a, b):
+        return (1 - b) * ((1 - a) * edges[0][n] + a * edges[1][n]) + b * ((1 - a) * edges[2][n] + a * edges[3][n])
+
+    shape = len(u_edges[0]), len(v_edges[0]), len(w_edges[0])
+    found = np.empty((3, *shape))
+    for i, j, k in itertools.product(*map(range, shape)):
+        u = v = w = 0.5
+        for _ in range(500):
+            u = between(u_edges, i, v, w)
+            v = between(v_edges, j, u, w)
+            w = between(w_edges, k, u, v)
+        found[:, i, j, k] = u, v, w
+    return found
+
+
 def crossing_of_lengths(south, east, north, west):
     """(ni, nj) s and t of blending by arc length, by sweeping the two equations until they agree."""
 

@@ -50,7 +50,7 @@ def interpolated(
         s = np.linspace(0, 1, len(south))[:, None]
         t = np.linspace(0, 1, len(west))[None, :]
     else:
-        s, t = _by_length(south, east, north, west)
+        s, t = crossing(*(fractions_of(side) for side in (south, north, west, east)))
     s, t = s[..., None], t[..., None]
     along_s = (1 - s) * west[None] + s * east[None]
     along_t = (1 - t) * south[:, None] + t * north[:, None]
@@ -60,12 +60,20 @@ def interpolated(
     return points
 
 
-def _by_length(south, east, north, west) -> tuple[np.ndarray, np.ndarray]:
-    """(ni, nj) s and t whose lines are straight between the fractions of length on opposite sides.
+def crossing(
+    s_south: np.ndarray, s_north: np.ndarray, t_west: np.ndarray, t_east: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """(ni, nj) s and t where straight lines between fractions on opposite sides of the unit square cross.
 
     ``s = (1 - t) s_south + t s_north`` and ``t = (1 - s) t_west + s t_east`` (Soni 1985) are linear in each other.
+
+    Examples
+    --------
+    >>> even = np.array([0, 0.5, 1])
+    >>> s, t = crossing(even, even, even, even**2)
+    >>> t[1]
+    array([0.   , 0.375, 1.   ])
     """
-    s_south, s_north, t_west, t_east = (fractions_of(side) for side in (south, north, west, east))
     s0, ds = s_south[:, None], (s_north - s_south)[:, None]
     t0, dt = t_west[None, :], (t_east - t_west)[None, :]
     across = 1 - ds * dt
