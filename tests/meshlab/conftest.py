@@ -16,11 +16,14 @@ def lines_layer(mesh):
 
 
 def faces_layer(mesh):
+    if len(mesh.get("quad")):
+        faces = [*mesh.get("triangle").tolist(), *mesh.get("quad").tolist()]
+        return pymeshlab.Mesh(vertex_matrix=mesh.points, face_list_of_indices=faces)
     return pymeshlab.Mesh(vertex_matrix=mesh.points, face_matrix=mesh.get("triangle").astype(np.int32))
 
 
 def add(ms, mesh, label):
-    """Add a mesh of lines or triangles with its data as custom attributes; return its id."""
+    """Add a mesh of lines or faces with its data as custom attributes; return its id."""
     ms.add_mesh(lines_layer(mesh) if len(mesh.get("line")) else faces_layer(mesh), label)
     for name, values in mesh.point_data.items():
         ms.current_mesh().add_vertex_custom_scalar_attribute(values, name)
