@@ -50,70 +50,89 @@ def fill_by_number(points, i_min, i_max, j_min, j_max, k_min, k_max, u, v, w, st
 
 
 @kernel
-def _bilinear(f, n, a, b):
-    """The value at (a, b) of four edges' fractions at station n, in the order 00, 10, 01, 11, and its derivatives."""
-    low = f[0, n] + a * (f[1, n] - f[0, n])
-    high = f[2, n] + a * (f[3, n] - f[2, n])
-    along_a = (1.0 - b) * (f[1, n] - f[0, n]) + b * (f[3, n] - f[2, n])
-    return low + b * (high - low), along_a, high - low
+def _row_parameters(u_edges, v_edges, w_edges, i, j, u, v, w):
+    """Blending values along k at (i, j); False if Newton's method does not converge.
+
+    At a given w, u and v are linear in each other and known at once. What remains is one equation for w, solved
+    for the whole row at once; w comes as a first guess.
+    """
+    n_k = w.size
+    u00, u01 = u_edges[0, i], u_edges[2, i] - u_edges[0, i]
+    u10, u11 = u_edges[1, i] - u00, u_edges[3, i] - u_edges[2, i] - (u_edges[1, i] - u00)
+    v00, v01 = v_edges[0, j], v_edges[2, j] - v_edges[0, j]
+    v10, v11 = v_edges[1, j] - v00, v_edges[3, j] - v_edges[2, j] - (v_edges[1, j] - v00)
+    for _ in range(NEWTON_STEPS):
+        far = 0
+        for k in range(n_k):
+            t = w[k]
+            # u = a + b v and v = c + d u, with their derivatives along w
+            a, b = u00 + u01 * t, u10 + u11 * t
+            c, d = v00 + v01 * t, v10 + v11 * t
+            scale = 1.0 / (1.0 - b * d)
+            shrink = (u11 * d + b * v11) * scale
+            x, y = (a + b * c) * scale, (c + a * d) * scale
+            dx = (u01 + u11 * c + b * v01) * scale + x * shrink
+            dy = (v01 + u01 * d + a * v11) * scale + y * shrink
+            p, q = w_edges[1, k] - w_edges[0, k], w_edges[2, k] - w_edges[0, k]
+            r = w_edges[3, k] - w_edges[2, k] - p
+            step = w_edges[0, k] + p * x + q * y + r * x * y - t
+            step = step / (1.0 - (p + r * y) * dx - (q + r * x) * dy)
+            u[k], v[k], w[k] = x + dx * step, y + dy * step, t + step
+            far += not abs(step) < CLOSE
+        if far == 0:
+            return True
+    return False
 
 
 @kernel
-def fill_by_length(points, i_min, i_max, j_min, j_max, k_min, k_max, u_edges, v_edges, w_edges, start, stop):
+def fill_by_length(points, faces, rows, u_edges, v_edges, w_edges, start, stop):
     """Fill points[start:stop] where the blending functions come from the lengths of the twelve edges.
 
-    Each of u, v, w is bilinear in the two others between the fractions of length on its four edges (Soni 1985),
-    which three equations give by Newton's method, from their values at the point before.
+    Each of u, v, w is bilinear in the two others between the fractions of length on its four edges (Soni 1985), which
+    stand in the order 00, 10, 01, 11 of the two others. Components have rows of their own here, so that a processor
+    takes several points at once: the faces across i are (nj, 3, nk), those across j (ni, 3, nk), in ``rows``; those
+    across k (ni, nj, 3), in ``faces``. False if the parameters were not found.
     """
+    i_min, i_max, j_min, j_max = rows
+    k_min, k_max = faces
     n_j, n_k = v_edges.shape[1], w_edges.shape[1]
-    converged = True
+    last = n_k - 1
+    u, v, w = np.empty(n_k), np.empty(n_k), np.empty(n_k)
+    along, bend = i_max[0] - i_min[0], i_max[n_j - 1] - i_min[n_j - 1] - (i_max[0] - i_min[0])
+    alpha, beta, row = np.empty(4), np.empty(4), np.empty((3, n_k))
+    found = True
     for i in range(start, stop):
+        # What the faces across j add to those across i: low + v rise - u (along + v bend).
+        low = j_min[i] - i_min[0]
+        rise = j_max[i] - i_min[n_j - 1] - low
         for j in range(n_j):
-            u = 0.25 * (u_edges[0, i] + u_edges[1, i] + u_edges[2, i] + u_edges[3, i])
-            v = 0.25 * (v_edges[0, j] + v_edges[1, j] + v_edges[2, j] + v_edges[3, j])
-            w = 0.0
+            w[:] = w_edges[0]
+            found &= _row_parameters(u_edges, v_edges, w_edges, i, j, u, v, w)
+            west, east = i_min[j], i_max[j]
+            for c in range(3):
+                # What those across k add is bilinear in u and v at both ends of the row: alpha there, and beta more.
+                for k, face, terms in ((0, k_min, alpha), (last, k_max, beta)):
+                    terms[0] = face[i, j, c] - west[c, k] - low[c, k]
+                    terms[1] = along[c, k] - (east[c, k] - west[c, k])
+                    terms[2] = -rise[c, k]
+                    terms[3] = bend[c, k]
+                for n in range(4):
+                    beta[n] -= alpha[n]
+                _fill_component(row[c], west[c], east[c], low[c], rise[c], along[c], bend[c], alpha, beta, u, v, w)
+            target = points[i, j]
             for k in range(n_k):
-                for turn in range(NEWTON_STEPS):
-                    fu, uv, uw = _bilinear(u_edges, i, v, w)
-                    fv, vu, vw = _bilinear(v_edges, j, u, w)
-                    fw, wu, wv = _bilinear(w_edges, k, u, v)
-                    du, dv, dw = fu - u, fv - v, fw - w
-                    if abs(du) + abs(dv) + abs(dw) < CLOSE:
-                        break
-                    # (1 -uv -uw; -vu 1 -vw; -wu -wv 1) x = d, by Cramer's rule
-                    c00, c01, c02 = 1.0 - vw * wv, uv + uw * wv, uv * vw + uw
-                    c10, c11, c12 = vu + vw * wu, 1.0 - uw * wu, vw + uw * vu
-                    c20, c21, c22 = wu + wv * vu, wv + wu * uv, 1.0 - uv * vu
-                    det = c00 - uv * c10 - uw * c20
-                    u += (c00 * du + c01 * dv + c02 * dw) / det
-                    v += (c10 * du + c11 * dv + c12 * dw) / det
-                    w += (c20 * du + c21 * dv + c22 * dw) / det
-                    if turn == NEWTON_STEPS - 1:
-                        converged = False
-                u0, v0, w0 = 1.0 - u, 1.0 - v, 1.0 - w
-                for c in range(3):
-                    faces = (
-                        u0 * i_min[j, k, c]
-                        + u * i_max[j, k, c]
-                        + v0 * j_min[i, k, c]
-                        + v * j_max[i, k, c]
-                        + w0 * k_min[i, j, c]
-                        + w * k_max[i, j, c]
-                    )
-                    edges = (
-                        u0 * (v0 * i_min[0, k, c] + v * i_min[n_j - 1, k, c])
-                        + u * (v0 * i_max[0, k, c] + v * i_max[n_j - 1, k, c])
-                        + v0 * (w0 * j_min[i, 0, c] + w * j_min[i, n_k - 1, c])
-                        + v * (w0 * j_max[i, 0, c] + w * j_max[i, n_k - 1, c])
-                        + w0 * (u0 * i_min[j, 0, c] + u * i_max[j, 0, c])
-                        + w * (u0 * i_min[j, n_k - 1, c] + u * i_max[j, n_k - 1, c])
-                    )
-                    corners = u0 * (
-                        v0 * (w0 * i_min[0, 0, c] + w * i_min[0, n_k - 1, c])
-                        + v * (w0 * i_min[n_j - 1, 0, c] + w * i_min[n_j - 1, n_k - 1, c])
-                    ) + u * (
-                        v0 * (w0 * i_max[0, 0, c] + w * i_max[0, n_k - 1, c])
-                        + v * (w0 * i_max[n_j - 1, 0, c] + w * i_max[n_j - 1, n_k - 1, c])
-                    )
-                    points[i, j, k, c] = faces - edges + corners
-    return converged
+                target[k, 0], target[k, 1], target[k, 2] = row[0, k], row[1, k], row[2, k]
+    return found
+
+
+@kernel
+def _fill_component(row, west, east, low, rise, along, bend, alpha, beta, u, v, w):
+    """One component of a row along k, see `fill_by_length`."""
+    a0, a1, a2, a3 = alpha[0], alpha[1], alpha[2], alpha[3]
+    b0, b1, b2, b3 = beta[0], beta[1], beta[2], beta[3]
+    for k in range(row.size):
+        x, y = u[k], v[k]
+        xy = x * y
+        sides = west[k] + x * (east[k] - west[k]) + low[k] + y * rise[k] - x * (along[k] + y * bend[k])
+        ends = a0 + a1 * x + a2 * y + a3 * xy + w[k] * (b0 + b1 * x + b2 * y + b3 * xy)
+        row[k] = sides + ends

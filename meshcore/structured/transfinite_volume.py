@@ -207,8 +207,11 @@ def interpolated_volume(
             np.array([fractions_of(block.edge(axis, a, b)) for b, a in product((0, 1), repeat=2)]) for axis in range(3)
         ]
 
+        rows = tuple(np.ascontiguousarray(face.swapaxes(1, 2)) for face in given[:4])
+        across_k = tuple(given[4:])
+
         def fill(start: int, stop: int) -> None:
-            converged.append(kernels.fill_by_length(points, *given, *lengths, start, stop))
+            converged.append(kernels.fill_by_length(points, across_k, rows, *lengths, start, stop))
 
     count = checked_threads(threads) or available_threads()
     if count == 1 or n_i < _FEWEST:
