@@ -15,6 +15,7 @@ NUMBERS = {
     "chapter_4_h_refinement": None,
     "circumcentre_refinement": None,
     "figure_01_structured_and_unstructured": 24 * 12,
+    "figure_02_two_block_grid": 2 * 40 * 24,
     "figure_04_mapping_of_boundaries": 25 * 13,
     "figure_05_transfinite_interpolation": 72 * 32,
     "figure_06_overspill": None,
@@ -29,6 +30,7 @@ NUMBERS = {
     "flow_past_a_cylinder": 64 * 192,
     "grid_quality": None,
     "moving_grid": 48 * 48,
+    "passage_between_six_faces": 24 * 20 * 20,
     "surface_between_four_curves": 32 * 24,
 }
 
