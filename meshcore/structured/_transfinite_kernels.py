@@ -13,15 +13,21 @@ CLOSE = 1e-14
 
 
 @kernel
-def fill_by_number(points, i_min, i_max, j_min, j_max, k_min, k_max, u, v, w, start, stop):
+def _missing(face, west, east, low, high, u, v, m):
+    """What a face across k has more than the faces across i and j give at the end m of a row."""
+    return face - ((1.0 - u) * west[m] + u * east[m] + (1.0 - v) * low[m] + v * high[m])
+
+
+@kernel
+def fill_by_number(points, i_min, i_max, j_min, j_max, k_min, k_max, u, v, w, work, start, stop):
     """Fill points[start:stop] where the blending functions depend on the number of the layer alone.
 
     Points and faces have the coordinates of a row flat: points (ni, nj, 3 nk), faces (nj, 3 nk), (ni, 3 nk) and,
-    across k, (ni, nj, 3). For one i the part that comes from the faces across j, less that of i, depends on k alone.
+    across k, (ni, nj, 3). For one i the part that comes from the faces across j, less that of i, depends on k alone; it
+    stands in ``work`` (2, 3 nk).
     """
     n_j, n_k = v.size, w.size
-    low, high = np.empty(3 * n_k), np.empty(3 * n_k)
-    at_start, slope = np.empty(3), np.empty(3)
+    low, high = work[0], work[1]
     for i in range(start, stop):
         u1 = u[i]
         u0 = 1.0 - u1
@@ -32,14 +38,13 @@ def fill_by_number(points, i_min, i_max, j_min, j_max, k_min, k_max, u, v, w, st
             v1 = v[j]
             v0 = 1.0 - v1
             row, west, east = points[i, j], i_min[j], i_max[j]
-            for c in range(3):
-                m = 3 * (n_k - 1) + c
-                first = k_min[i, j, c] - (u0 * west[c] + u1 * east[c] + v0 * low[c] + v1 * high[c])
-                last = k_max[i, j, c] - (u0 * west[m] + u1 * east[m] + v0 * low[m] + v1 * high[m])
-                at_start[c] = first
-                slope[c] = last - first
-            a0, a1, a2 = at_start[0], at_start[1], at_start[2]
-            b0, b1, b2 = slope[0], slope[1], slope[2]
+            n = 3 * (n_k - 1)
+            a0 = _missing(k_min[i, j, 0], west, east, low, high, u1, v1, 0)
+            a1 = _missing(k_min[i, j, 1], west, east, low, high, u1, v1, 1)
+            a2 = _missing(k_min[i, j, 2], west, east, low, high, u1, v1, 2)
+            b0 = _missing(k_max[i, j, 0], west, east, low, high, u1, v1, n) - a0
+            b1 = _missing(k_max[i, j, 1], west, east, low, high, u1, v1, n + 1) - a1
+            b2 = _missing(k_max[i, j, 2], west, east, low, high, u1, v1, n + 2) - a2
             for k in range(n_k):
                 m = np.uint64(3 * k)
                 m1, m2 = m + np.uint64(1), m + np.uint64(2)
@@ -85,40 +90,45 @@ def _row_parameters(u_edges, v_edges, w_edges, i, j, u, v, w):
 
 
 @kernel
-def fill_by_length(points, faces, rows, u_edges, v_edges, w_edges, start, stop):
+def fill_by_length(points, faces, rows, u_edges, v_edges, w_edges, work, start, stop):
     """Fill points[start:stop] where the blending functions come from the lengths of the twelve edges.
 
     Each of u, v, w is bilinear in the two others between the fractions of length on its four edges (Soni 1985), which
     stand in the order 00, 10, 01, 11 of the two others. Components have rows of their own here, so that a processor
     takes several points at once: the faces across i are (nj, 3, nk), those across j (ni, 3, nk), in ``rows``; those
-    across k (ni, nj, 3), in ``faces``. False if the parameters were not found.
+    across k (ni, nj, 3), in ``faces``. ``work`` is (6, 3, nk). False if the parameters were not found.
     """
     i_min, i_max, j_min, j_max = rows
     k_min, k_max = faces
     n_j, n_k = v_edges.shape[1], w_edges.shape[1]
     last = n_k - 1
-    u, v, w = np.empty(n_k), np.empty(n_k), np.empty(n_k)
-    along, bend = i_max[0] - i_min[0], i_max[n_j - 1] - i_min[n_j - 1] - (i_max[0] - i_min[0])
-    alpha, beta, row = np.empty(4), np.empty(4), np.empty((3, n_k))
+    u, v, w = work[0, 0], work[0, 1], work[0, 2]
+    along, bend, low, rise, row = work[1], work[2], work[3], work[4], work[5]
     found = True
+    for c in range(3):
+        for k in range(n_k):
+            along[c, k] = i_max[0, c, k] - i_min[0, c, k]
+            bend[c, k] = i_max[n_j - 1, c, k] - i_min[n_j - 1, c, k] - along[c, k]
     for i in range(start, stop):
         # What the faces across j add to those across i: low + v rise - u (along + v bend).
-        low = j_min[i] - i_min[0]
-        rise = j_max[i] - i_min[n_j - 1] - low
+        for c in range(3):
+            for k in range(n_k):
+                low[c, k] = j_min[i, c, k] - i_min[0, c, k]
+                rise[c, k] = j_max[i, c, k] - i_min[n_j - 1, c, k] - low[c, k]
         for j in range(n_j):
-            w[:] = w_edges[0]
+            for k in range(n_k):
+                w[k] = w_edges[0, k]
             found &= _row_parameters(u_edges, v_edges, w_edges, i, j, u, v, w)
             west, east = i_min[j], i_max[j]
             for c in range(3):
-                # What those across k add is bilinear in u and v at both ends of the row: alpha there, and beta more.
-                for k, face, terms in ((0, k_min, alpha), (last, k_max, beta)):
-                    terms[0] = face[i, j, c] - west[c, k] - low[c, k]
-                    terms[1] = along[c, k] - (east[c, k] - west[c, k])
-                    terms[2] = -rise[c, k]
-                    terms[3] = bend[c, k]
-                for n in range(4):
-                    beta[n] -= alpha[n]
-                _fill_component(row[c], west[c], east[c], low[c], rise[c], along[c], bend[c], alpha, beta, u, v, w)
+                # What those across k add is bilinear in u and v at both ends of the row: a there, and b more.
+                a0 = k_min[i, j, c] - west[c, 0] - low[c, 0]
+                b0 = k_max[i, j, c] - west[c, last] - low[c, last] - a0
+                a1 = along[c, 0] - (east[c, 0] - west[c, 0])
+                b1 = along[c, last] - (east[c, last] - west[c, last]) - a1
+                a = (a0, a1, -rise[c, 0], bend[c, 0])
+                b = (b0, b1, rise[c, 0] - rise[c, last], bend[c, last] - bend[c, 0])
+                _fill_component(row[c], west[c], east[c], low[c], rise[c], along[c], bend[c], a, b, u, v, w)
             target = points[i, j]
             for k in range(n_k):
                 target[k, 0], target[k, 1], target[k, 2] = row[0, k], row[1, k], row[2, k]
@@ -126,10 +136,10 @@ def fill_by_length(points, faces, rows, u_edges, v_edges, w_edges, start, stop):
 
 
 @kernel
-def _fill_component(row, west, east, low, rise, along, bend, alpha, beta, u, v, w):
+def _fill_component(row, west, east, low, rise, along, bend, a, b, u, v, w):
     """One component of a row along k, see `fill_by_length`."""
-    a0, a1, a2, a3 = alpha[0], alpha[1], alpha[2], alpha[3]
-    b0, b1, b2, b3 = beta[0], beta[1], beta[2], beta[3]
+    a0, a1, a2, a3 = a
+    b0, b1, b2, b3 = b
     for k in range(row.size):
         x, y = u[k], v[k]
         xy = x * y

@@ -199,7 +199,7 @@ def interpolated_volume(
         u, v, w = (np.arange(n) / (n - 1) for n in (n_i, n_j, n_k))
 
         def fill(start: int, stop: int) -> None:
-            kernels.fill_by_number(flat, *rows, *given[4:], u, v, w, start, stop)
+            kernels.fill_by_number(flat, *rows, *given[4:], u, v, w, np.empty((2, 3 * n_k)), start, stop)
 
     else:
         block = BlockFaces(dict(zip(PLACES, given, strict=True)), {}, 0.0)
@@ -211,7 +211,8 @@ def interpolated_volume(
         across_k = tuple(given[4:])
 
         def fill(start: int, stop: int) -> None:
-            converged.append(kernels.fill_by_length(points, across_k, rows, *lengths, start, stop))
+            work = np.empty((6, 3, n_k))
+            converged.append(kernels.fill_by_length(points, across_k, rows, *lengths, work, start, stop))
 
     count = checked_threads(threads) or available_threads()
     if count == 1 or n_i < _FEWEST:
