@@ -13,6 +13,7 @@ from ..mesh import CELL_TYPES, Mesh, StructuredGrid
 from . import _edge_kernels as edge_kernels
 from . import _repeat_kernels as repeat_kernels
 from . import embedding
+from .block import sound_summary
 from .given import as_mesh
 from .kept import missing_segments, same_points
 from .keys import cell_keys, directed_edges, directed_faces, repeats
@@ -93,6 +94,8 @@ def validate(mesh: Mesh | StructuredGrid, boundary: Mesh | None = None, *, raise
     """
     if boundary is not None and not len(boundary.get("line")):
         raise InvalidInput(f"needs line cells, got {boundary!r}", parameter="boundary")
+    if boundary is None and sound_summary(mesh) is not None:
+        return []
     examined = _Examined(as_mesh(mesh))
     checks = (_orientation,) if isinstance(mesh, StructuredGrid) else _CHECKS
     faults = [fault for check in checks for fault in check(examined)]

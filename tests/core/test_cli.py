@@ -19,6 +19,7 @@ import pytest
 import meshcore as mc
 from meshcore import cli, gallery, operation
 from meshcore.cli import commands, flags, terminal
+from meshcore.geometry.curves import lines_through
 from meshcore.operation import Length, Param, Port, Relative
 
 OPERATIONS = list(mc.operations())
@@ -89,6 +90,20 @@ def test_an_operation_gives_by_files_what_it_gives_by_a_call(name, tmp_path, cal
     told = json.loads(out)
     assert (told["operation"], told["counts"], told["output"]) == (operation.label, report.counts, str(output))
     assert not leftovers(tmp_path)
+
+
+def test_inputs_that_are_named_have_a_flag(tmp_path, call):
+    """So that lines can be given with a loop alone, in place of four sides."""
+    x = np.linspace(0, 1, 9)
+    line = lines_through(np.column_stack([0.5 + 0.05 * np.sin(np.pi * x), x]))
+    mc.io.write(tmp_path / "loop.vtp", gallery.square(8))
+    mc.io.write(tmp_path / "line.vtp", line)
+    words = (tmp_path / "loop.vtp", "--lines", tmp_path / "line.vtp", "-o", tmp_path / "out.vts", "--quiet")
+    assert call("transfinite", *words)[0] == 0
+    written = mc.io.read(tmp_path / "out.vts")
+    expected = mc.transfinite(gallery.square(8), lines=line).mesh
+    np.testing.assert_allclose(written.points, expected.points, rtol=0, atol=1e-14)
+    assert np.abs(expected.points - mc.transfinite(gallery.square(8)).mesh.points).max() > 0.04
 
 
 @pytest.mark.parametrize("name", OPERATIONS)

@@ -269,6 +269,13 @@ def test_a_gap_within_tolerance_is_closed():
         mc.transfinite(*UNIT[:3], west)
 
 
+def test_no_tolerance_asks_for_equal_ends():
+    grid, _ = mc.transfinite(*UNIT, cells_i=3, cells_j=2, tolerance=0)
+    assert grid.cell_shape == (3, 2, 1)
+    with pytest.raises(InvalidGeometry, match="apart"):
+        mc.transfinite(*UNIT[:3], side((0, 0), (0, 1 + 1e-15)), cells_i=3, cells_j=2, tolerance=0)
+
+
 def test_overspill_of_an_l_shape_is_found():
     """The survey's figure 6: the re-entrant corner pulls the grid out of the domain."""
     with pytest.raises(GenerationFailed, match="folded") as caught:
