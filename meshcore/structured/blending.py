@@ -342,7 +342,8 @@ class Patch:
 def _across(side: np.ndarray, step: np.ndarray) -> np.ndarray:
     """Steps from the points of a side, turned to right angles with it; as long as they were."""
     tangent = np.gradient(side, axis=0)
-    tangent /= np.linalg.norm(tangent, axis=1)[:, None]
+    size = np.linalg.norm(tangent, axis=1)  # none where a side turns back on itself
+    tangent /= np.where(size > 0, size, 1.0)[:, None]
     normal = step - (step * tangent).sum(axis=1)[:, None] * tangent
     size = np.linalg.norm(normal, axis=1)
     length = np.linalg.norm(step, axis=1)

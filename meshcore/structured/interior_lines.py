@@ -10,6 +10,7 @@ import numpy as np
 from ..errors import InvalidGeometry, InvalidInput
 from ..geometry.curves import Curve, arc_length, chains, polyline, resampled
 from ..mesh import Mesh
+from .limits import check_extent
 from .sides import Sides, fractions_of
 
 Lines = Mesh | Sequence[Curve]
@@ -53,6 +54,8 @@ def read_lines(lines: Lines, sides: Sides) -> list[Line]:
         curves = [lines.points[chain] for chain in chains(lines)]
     else:
         curves = [polyline(curve, "lines") for curve in lines]
+    for curve in curves:
+        check_extent(curve, parameter="lines")
     found = [_connecting(number, points, sides) for number, points in enumerate(curves)]
     return sorted(found, key=lambda line: (line.axis, sum(line.meets)))
 

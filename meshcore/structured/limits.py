@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from ..errors import InvalidInput
+import numpy as np
+
+from ..errors import InvalidGeometry, InvalidInput
 
 MAX_POINTS = 50_000_000
+LARGEST, SMALLEST = 1e75, 1e-75
+"""Extents beyond which products of areas would over- or underflow."""
 
 
 def check_size(n_i: int, n_j: int, n_k: int = 1, *, parameter: str) -> None:
@@ -31,3 +35,25 @@ def check_size(n_i: int, n_j: int, n_k: int = 1, *, parameter: str) -> None:
             f"would make {n_i * n_j * n_k:.3g} points; at most {MAX_POINTS:,} are allowed, so make it smaller",
             parameter=parameter,
         )
+
+
+def check_extent(points: np.ndarray, *, parameter: str) -> float:
+    """The diagonal of the bounding box of (n, 3) points, if arithmetic can do with it.
+
+    Raises
+    ------
+    InvalidGeometry
+        If coordinates or the extent are beyond `LARGEST` and `SMALLEST`.
+
+    Examples
+    --------
+    >>> check_extent(np.array([[0.0, 0, 0], [3, 4, 0]]), parameter="south")
+    5.0
+    """
+    largest = float(np.abs(points).max())
+    extent = float(np.ptp(points, axis=0).max()) if largest < LARGEST else largest
+    if not SMALLEST < extent < LARGEST:
+        raise InvalidGeometry(
+            f"has an extent of {extent:.3g}; scale it to between {SMALLEST:g} and {LARGEST:g}", parameter=parameter
+        )
+    return float(np.linalg.norm(np.ptp(points, axis=0)))

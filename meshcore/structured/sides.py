@@ -13,6 +13,7 @@ from ..geometry.curves import Curve, arc_length, chains, is_closed, polyline, re
 from ..mesh import Mesh
 from ..operation import Length, absolute
 from ..sizing import Spacing, copied
+from .limits import check_extent
 
 NAMES = ("south", "east", "north", "west")
 
@@ -58,12 +59,14 @@ class Sides:
         names = dict(zip(NAMES, NAMES, strict=True))
         if missing == ["east", "north", "west"]:
             lines = _cut(given["south"], corners)
-            extent = float(np.linalg.norm(np.ptp(np.concatenate(list(lines.values())), axis=0)))
+            extent = check_extent(np.concatenate(list(lines.values())), parameter="south")
             return cls(lines, names, absolute(tolerance, extent), loop=True)._right_handed()
         if missing:
             raise InvalidInput("is missing; give all four sides, or one closed loop as south", parameter=missing[0])
         read = {name: polyline(side, name) for name, side in given.items()}
-        extent = float(np.linalg.norm(np.ptp(np.concatenate(list(read.values())), axis=0)))
+        for name, line in read.items():
+            check_extent(line, parameter=name)
+        extent = check_extent(np.concatenate(list(read.values())), parameter="south")
         gap = absolute(tolerance, extent)
         lines, reversed_ = _joined(read, gap)
         warnings = [f"{name} ran the other way and was reversed" for name in reversed_]

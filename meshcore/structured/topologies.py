@@ -17,15 +17,13 @@ from ..report import Report, Result
 from ..sizing import cells_for_growth, geometric
 from ..sizing.around_loop import respaced_loop, turning
 from .folds import refuse_folds
-from .limits import check_size
+from .limits import check_extent, check_size
 from .rays import Section, at_height, paths, ray_directions, to_circle
 
 _CURE = "make the section smoother or less re-entrant, move the far field, or give more points around it"
 _WIDTHS = (0.03, 0.06, 0.12)
 _EVENNESS = (1.0, 0.7, 0.4, 0.2, 0.05)
 _BENDS = (0.4, 0.15)
-# Beyond these, products of areas would over- or underflow.
-_LARGEST, _SMALLEST = 1e75, 1e-75
 UNEVEN = 0.1
 """Weight of an uneven far field beside skewed cells, when rays are chosen."""
 
@@ -149,17 +147,11 @@ def _loop(curve: Curve, cut: int):
     points, number = points[fresh], number[fresh]
     if len(points) < 3:
         raise InvalidGeometry(f"needs at least three different points, got {len(points)}", parameter="section")
-    spread = np.ptp(points, axis=0)
-    if not _SMALLEST < spread.max() < _LARGEST:
-        raise InvalidGeometry(
-            f"has an extent of {spread.max():.3g}; scale it to between {_SMALLEST:g} and {_LARGEST:g}",
-            parameter="section",
-        )
+    diagonal = check_extent(points, parameter="section")
     plane = fitted_plane(points, parameter="section")
     loop = plane.to_plane(points)
     x, y = (loop - loop[0]).T
     double_area = float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum())
-    diagonal = float(np.linalg.norm(spread))
     if abs(double_area) <= 1e-12 * diagonal**2:
         raise InvalidGeometry(f"encloses no area (extent {diagonal:.6g}); give a simple loop", parameter="section")
     if double_area < 0:

@@ -22,6 +22,7 @@ from . import _transfinite_kernels as kernels
 from .blending import NEAR, Blending, Direction, boolean_sum
 from .block_edges import Asked, arranged, refuse_unequal, spanned
 from .block_faces import AXES, PLACES, BlockFaces, across, end
+from .limits import check_extent
 from .quad_nets import cage_of, patch_of
 from .sides import fractions_of
 
@@ -240,6 +241,8 @@ def _read(given: Mapping[str, Face | None]) -> tuple[dict[str, np.ndarray] | lis
         raise InvalidInput("is missing; give all six faces, or the whole as imin", parameter=missing[0])
     if not missing:
         read = {name: _face(face, name) for name, face in given.items()}
+        for name, face in read.items():
+            check_extent(face.reshape(-1, 3), parameter=name)
         return read, _diagonal(read.values())
     if isinstance(whole, Mesh) and len(whole.get("quad")):
         read = cage_of(whole, _WHOLE)
@@ -255,6 +258,8 @@ def _read(given: Mapping[str, Face | None]) -> tuple[dict[str, np.ndarray] | lis
         )
     if not edges:
         raise InvalidGeometry("needs twelve edges, got none", parameter=_WHOLE)
+    for edge in edges:
+        check_extent(edge, parameter=_WHOLE)
     return edges, _diagonal(edges)
 
 
@@ -272,7 +277,7 @@ def _face(face: Face, name: str) -> np.ndarray:
 
 
 def _diagonal(parts) -> float:
-    return float(np.linalg.norm(np.ptp(np.concatenate([part.reshape(-1, 3) for part in parts]), axis=0)))
+    return check_extent(np.concatenate([part.reshape(-1, 3) for part in parts]), parameter=_WHOLE)
 
 
 def _block(read: dict[str, np.ndarray] | list[np.ndarray], asked: Asked, blending: str, gap: float) -> BlockFaces:

@@ -270,3 +270,9 @@ def test_a_line_between_two_points_of_a_side_needs_cells():
 
 def test_a_patch_is_what_the_operation_makes():
     assert (Patch(*WAVY).points() == mc.transfinite(*WAVY).mesh.points[:, :, 0]).all()
+
+
+def test_a_side_that_turns_back_on_itself_is_refused_without_a_warning():
+    there_and_back = np.array([[0, 0], [0.6, 0], [0.4, 0], [0.6, 0], [1, 0]], float)
+    with np.errstate(all="raise"), pytest.raises(mc.GenerationFailed):
+        mc.transfinite(there_and_back, *ONE[1:], cells_i=4, cells_j=4, blending="cubic")

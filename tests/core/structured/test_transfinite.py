@@ -245,6 +245,8 @@ UNIT = (side((0, 0), (1, 0)), side((1, 0), (1, 1)), side((0, 1), (1, 1)), side((
         (UNIT, {"cells_j": 4, "spacing_south": 0.6, "spacing_north": 0.5}, InvalidInput, "spacing_south"),
         (UNIT, {"cells_i": 4, "spacing_east": 1e-14}, InvalidInput, "spacing_east"),
         (UNIT, {"blending": "quintic"}, InvalidInput, "blending"),
+        ((UNIT[0] * 1e200, *UNIT[1:]), {}, InvalidGeometry, "south: has an extent of 1e[+]200; scale it"),
+        (tuple(s * 1e-200 for s in UNIT), {}, InvalidGeometry, "has an extent of 1e-200; scale it"),
         ((gallery.square(4),), {"corners": (0, 1, 2, 99)}, InvalidInput, "corners"),
         ((gallery.square(4),), {"corners": (0, 0, 4, 8)}, InvalidInput, "corners"),
         ((gallery.joined(gallery.square(), gallery.circle(8)),), {}, InvalidGeometry, "one chain"),

@@ -341,6 +341,8 @@ CUBE = np.stack(lattice([0.0, 1], [0.0, 1], [0.0, 1]), axis=-1)
         ({"imin": [CUBE[:, 0, 0]] * 12}, {}, InvalidGeometry, "needs the twelve edges of a block"),
         ({"imin": []}, {}, InvalidGeometry, "needs twelve edges, got none"),
         ({"imin": mc.StructuredGrid(CUBE[0]).to_mesh()}, {}, InvalidGeometry, "imin: is open"),
+        (replaced("jmin", FACES["jmin"] * 1e200), {}, InvalidGeometry, "jmin: has an extent of"),
+        ({"imin": [edge * 1e-200 for edge in edges_of(CUBE)]}, {}, InvalidGeometry, "imin: has an extent of"),
         (FACES, {"cells_i": 0}, InvalidInput, "cells_i: must be at least 1"),
         (FACES, {"cells_i": 10**6, "cells_j": 10**4}, InvalidInput, "cells_i: would make"),
         (FACES, {"spacing_imin": 9.0}, InvalidInput, "spacing_imin: 9 does not fit an edge"),
