@@ -18,6 +18,7 @@ from _common import Target, arguments, of_turns, print_heading, print_row, taken
 from meshcore.structured.block_faces import PLACES
 from meshcore.structured.transfinite_volume import interpolated_volume
 
+CELLS = [127, 255]
 ONE, TWO = Target(6, at_most=True), Target(6, 2, at_most=True)
 
 
@@ -49,12 +50,12 @@ def contestants(n: int) -> dict[str, Callable[[], None]]:
 
 def main() -> None:
     """Print a table for each size."""
-    options = arguments(__doc__, cells=[127, 255])
+    options = arguments(__doc__, cells=CELLS)
     for blending in ("linear", "arc length"):  # compiles
         cube = passage(4)
         sides = (cube[0], cube[-1], cube[:, 0], cube[:, -1], cube[:, :, 0], cube[:, :, -1])
         interpolated_volume(dict(zip(PLACES, sides, strict=True)), blending=blending)
-    for cells in [63] if options.quick else options.cells:
+    for cells in options.cells or ([63] if options.quick else CELLS):
         found = taken_alternately(contestants(cells + 1), options.repeats)
         copy = found["copy"]
         print_heading(
