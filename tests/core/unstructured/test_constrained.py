@@ -37,10 +37,13 @@ def test_random_segments_are_kept(boundary):
 def crossings_noted(graph, size):
     """Rows that `insert_segments` notes with buffers that begin at a size, and how often these were full."""
     mesh = triangulated(graph.points)
-    segments = np.ascontiguousarray(mesh.vertex_of[graph.segments], dtype=np.int32)
-    vertex_edge = np.empty(len(mesh.order) + 1, np.int32)
-    kernels.map_vertices(mesh.origin, mesh.twin, mesh.n_triangles, vertex_edge)
-    piece_of = np.full(len(mesh.origin), -1, np.int32)
+    segments = np.empty(graph.segments.shape, np.int32)
+    vertex, vertex_edge = np.empty(mesh.n_points, np.int32), np.empty(len(mesh.order) + 1, np.int32)
+    piece_of = np.empty(len(mesh.origin), np.int32)
+    kernels.prepare(
+        mesh.xy, mesh.order, mesh.merged, mesh.kept, mesh.origin, mesh.twin, mesh.n_triangles, graph.segments, vertex,
+        segments, vertex_edge, piece_of,
+    )  # fmt: skip
     pieces, state = np.empty((999, 3), np.int32), np.zeros(kernels.STATE_SIZE, np.int64)
     crossed, places = np.empty((999, 2), np.int32), np.empty((999, 2))
     state[kernels.FROM] = -1
@@ -62,8 +65,9 @@ def test_what_a_full_buffer_stops_leaves_no_crossing():
     """A long line across a short one near its start, and then across a hundred triangles."""
     points = np.random.default_rng(5).random((400, 2)) + [0.0, 0.5]
     ends = [[-1.0, 1.0], [2.0, 1.0], [-0.5, 0.9], [-0.5, 1.1]]
-    vertices = np.arange(len(points)) + 4
-    graph = planar_graph(np.concatenate([ends, points]), np.array([[2, 3], [0, 1]]), vertices, "boundary")
+    graph = planar_graph(
+        np.concatenate([ends, points]), np.array([[2, 3], [0, 1]]), np.arange(len(points) + 4), "boundary"
+    )
     wanted, times_full = crossings_noted(graph, 4096)
     assert len(wanted) == 1 and times_full == 0
     found, times_full = crossings_noted(graph, 16)
