@@ -588,3 +588,29 @@ def nesting_levels(edges, left, right, n_faces):
         is_even = not (degree % 2).any()
         level = [a + (crossed[p] if is_even else p != part[0]) for a, p in zip(level, part, strict=True)]
     return [a % 2 for a in level]
+
+
+def winslow(points, growth=None, cyclic=False, sweeps=20_000):
+    """The discrete Winslow equations by point relaxation until nothing moves, with Thompson's control functions."""
+    r = np.array(points, float)
+    ni, nj, _ = r.shape
+    theta = np.zeros((2, ni, nj)) if growth is None else growth
+    for _ in range(sweeps):
+        largest = 0.0
+        for i in range(1, ni if cyclic else ni - 1):
+            before, after = i - 1, (1 if i == ni - 1 else i + 1)
+            for j in range(1, nj - 1):
+                ri, rj = (r[after, j] - r[before, j]) / 2, (r[i, j + 1] - r[i, j - 1]) / 2
+                rij = (r[after, j + 1] - r[after, j - 1] - r[before, j + 1] + r[before, j - 1]) / 4
+                a, b, g = rj @ rj, ri @ rj, ri @ ri
+                p, q = -2 * np.tanh(theta[:, i, j] / 2)
+                along_i = a * (r[after, j] + r[before, j] + p * ri)
+                along_j = g * (r[i, j + 1] + r[i, j - 1] + q * rj)
+                new = (along_i + along_j - 2 * b * rij) / (2 * (a + g))
+                largest = max(largest, np.abs(new - r[i, j]).max())
+                r[i, j] = new
+            if cyclic and i == ni - 1:
+                r[0] = r[i]
+        if largest < 1e-14:
+            break
+    return r

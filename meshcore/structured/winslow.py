@@ -1,0 +1,312 @@
+"""Planar elliptic grids: the transformed Laplace and Poisson equations, solved by nonlinear multigrid (survey 2.5.1).
+
+A grid is started by full multigrid: solved on a coarse level, interpolated and improved on each finer one. Cycles then
+go on until the grid is near enough to the converged one, sped up by Anderson mixing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..progress import Progress, advance, silent
+from ..threads import available_threads
+from . import _winslow_mixing_kernels as mixing_kernels
+from .team import Team
+from .winslow_levels import Levels
+
+NEAR = 1e-3
+"""By default a node may be so far from its converged place, in units of the shortest edge that ends there."""
+MOST_CYCLES = 60
+_FEWEST_CELLS_TO_START = 32
+_CYCLES_AT_THE_START = 6
+# A cycle after which the residual is so many times as large is taken back.
+_GROWTH = 1.5
+_WINDOW = 4  # differences that Anderson mixing remembers
+_MIXED_FROM = 3  # cycle, if the grid need only be near: most are done by then, and remembering costs
+_PATIENCE = 6  # cycles without a smaller residual after which coarse corrections are damped, and then given up
+_DAMPED = 0.3  # where the boundary is too rough for coarse levels
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A grid that solves the discrete Winslow equations, or nearly.
+
+    Attributes
+    ----------
+    points : (ni, nj, 2) float
+        The grid; its boundary is that of the start, to the last bit.
+    history : tuple of float
+        Residual at the start and after each cycle, in units of the given grid's.
+    error : float
+        Estimate of the largest distance of a node from its converged place, in units of the shortest edge there.
+    converged : bool
+        Whether what was asked for was reached.
+    """
+
+    points: np.ndarray
+    history: tuple[float, ...]
+    error: float
+    converged: bool
+
+
+def smoothed_grid(points: np.ndarray, *, cyclic: bool = False, threads: int | None = None) -> np.ndarray:
+    """The Laplace grid with the boundary of a planar grid, from which the solver starts.
+
+    Parameters
+    ----------
+    points : (ni, nj, 2) float
+        A grid, possibly folded.
+    cyclic : bool
+        Whether the last row along i is the first, as in an O-grid.
+    threads : int, optional
+        How many may work; the result is the same for any number.
+
+    Returns
+    -------
+    (ni, nj, 2) float
+        Smooth points with the same boundary, to the last bit.
+
+    Examples
+    --------
+    >>> x, y = np.meshgrid(np.linspace(0, 1, 5) ** 2, np.linspace(0, 1, 4), indexing="ij")
+    >>> x[:, 0] = x[:, -1] = np.linspace(0, 1, 5)
+    >>> smoothed_grid(np.stack([x, y], axis=-1))[1:4, 1, 0].round(6)
+    array([0.25, 0.5 , 0.75])
+    """
+    return winslow(points, cyclic=cyclic, threads=threads).points
+
+
+def winslow(
+    points: np.ndarray,
+    *,
+    growth: np.ndarray | None = None,
+    cyclic: bool = False,
+    tolerance: float | None = None,
+    most_cycles: int = MOST_CYCLES,
+    threads: int | None = None,
+    progress: Progress = silent,
+) -> Solution:
+    """Solve the Winslow equations with the boundary of a planar grid, starting from its interior.
+
+    Parameters
+    ----------
+    points : (ni, nj, 2) float
+        The start, for instance by transfinite interpolation; it may be folded.
+    growth : (2, ni, nj) float, optional
+        Control functions along i and j, as logarithms of the growth from one cell to the next: theta makes cells along
+        a straight line grow by exp(theta), with the control function phi = -2 tanh(theta / 2). Left out: Laplace.
+    cyclic : bool
+        Whether the last row along i is the first, as in an O-grid.
+    tolerance : float, optional
+        Residual to reach, in units of the start's. Left out, cycles go on until each node is within a thousandth of the
+        shortest edge at it from its converged place, as far as can be told from how cycles converge.
+    most_cycles : int
+        Cycles after which to give up.
+    threads : int, optional
+        How many may work; the result is the same for any number.
+    progress : Progress, optional
+        Called with fraction and message.
+
+    Returns
+    -------
+    Solution
+
+    Examples
+    --------
+    >>> t = np.linspace(0, np.pi / 2, 9)[:, None]
+    >>> r = np.array([1, 1.2, 1.5, 1.8, 2])
+    >>> start = np.stack([r * np.cos(t), r * np.sin(t)], axis=-1)[::-1]
+    >>> solution = winslow(start, tolerance=1e-10)
+    >>> ratio = np.linalg.norm(solution.points[:, 2], axis=-1) ** 2 / 2  # the converged radii are geometric
+    >>> bool(abs(ratio - 1).max() < 0.01), solution.converged
+    (True, True)
+    """
+    if min(points.shape[:2]) < 3:
+        return Solution(points.copy(), (0.0,), 0.0, True)
+    with Team(threads or available_threads()) as team:
+        frame = Frame.of(points)
+        levels = levels_of(frame.inside(points), cyclic, team)
+        if growth is not None:
+            levels.set_growth(growth)
+        finest = levels.levels[0]
+        scale = finest.residual()
+        if scale < 1e-14:  # the start solves the equations, up to rounding
+            return Solution(points.copy(), (1.0,), 0.0, True)
+        full_multigrid(levels)
+        history, error, converged = _converge(levels, scale, tolerance, most_cycles, progress)
+        return Solution(frame.outside(finest.points_without_ghosts, points), history, error, converged)
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The coordinates that are worked in: near 1, as (2, ni, nj).
+
+    Parameters
+    ----------
+    origin : (2,) float
+        What is the origin there.
+    size : float
+        What is 1 there, a power of two.
+    """
+
+    origin: np.ndarray
+    size: float
+
+    @classmethod
+    def of(cls, points: np.ndarray) -> Frame:
+        """The frame that suits a grid."""
+        low, high = points.min(axis=(0, 1)), points.max(axis=(0, 1))
+        return cls(low / 2 + high / 2, float(np.exp2(np.ceil(np.log2((high - low).max())))))
+
+    def inside(self, points: np.ndarray) -> np.ndarray:
+        """(2, ni, nj) from (ni, nj, 2)."""
+        return np.ascontiguousarray(np.moveaxis((points - self.origin) / self.size, -1, 0))
+
+    def outside(self, inside: np.ndarray, boundary: np.ndarray) -> np.ndarray:
+        """(ni, nj, 2) from (2, ni, nj), but for the outermost points, which are those of ``boundary`` to the last bit.
+
+        Where a cyclic grid is cut its points are free.
+        """
+        points = np.moveaxis(inside, 0, -1) * self.size + self.origin
+        points[:, 0], points[:, -1] = boundary[:, 0], boundary[:, -1]
+        if not np.array_equal(boundary[0], boundary[-1]):
+            points[0], points[-1] = boundary[0], boundary[-1]
+        return points
+
+
+def levels_of(r: np.ndarray, cyclic: bool, team: Team) -> Levels:
+    """`Levels` of a grid, with its (2, ni, nj) coordinates put on the finest."""
+    diagonals = r[:, 1:, 1:] - r[:, :-1, :-1], r[:, :-1, 1:] - r[:, 1:, :-1]
+    area = float((diagonals[0][0] * diagonals[1][1] - diagonals[0][1] * diagonals[1][0]).sum())
+    turn = ((r[:, 1] - r[:, 0]) * (r[:, -1] - r[:, -2])).sum(axis=0)
+    levels = Levels(
+        (r.shape[1] - 1, r.shape[2] - 1),
+        cyclic=cyclic,
+        sharp=bool(min(turn[0], turn[-1]) < 0),
+        shift=r[:, -1, 0] - r[:, 0, 0],
+        sign=1.0 if area > 0 else -1.0,
+        team=team,
+    )
+    levels.levels[0].put(r)
+    return levels
+
+
+def full_multigrid(levels: Levels, cycles: int = 1) -> None:
+    """Improve the grid of the finest level by ``cycles`` on each level, from a coarse one upwards.
+
+    What a level hands on is the difference between its solution and the start as it samples it.
+    """
+    start = 0
+    while start < len(levels.tables) and min(levels.levels[start + 1].cells) >= _FEWEST_CELLS_TO_START:
+        levels.sample(start)
+        start += 1
+    samples = [level.r.copy() for level in levels.levels[: start + 1]]
+    for number in range(start, -1, -1):
+        level = levels.levels[number]
+        level.f[:] = 0
+        if number < start:
+            level.r[:] = samples[number]
+            levels.correct(number, samples[number + 1])
+        for _ in range(cycles if number < start else _CYCLES_AT_THE_START):
+            safe_cycle(levels, number)
+
+
+def safe_cycle(levels: Levels, number: int = 0) -> None:
+    """A cycle from level ``number``; where it would make matters worse, with shorter corrections or none."""
+    level = levels.levels[number]
+    before, residual = level.r.copy(), level.residual()
+    damping = 1.0
+    for _ in range(4):
+        levels.cycle(number, damping)
+        if level.residual() <= _GROWTH * residual:  # false for NaN
+            return
+        level.r[:] = before
+        damping *= 0.4
+    for _ in range(5):
+        level.smooth()
+
+
+def _converge(
+    levels: Levels, scale: float, tolerance: float | None, most_cycles: int, progress: Progress
+) -> tuple[tuple[float, ...], float, bool]:
+    """Cycles until the residual, or the estimate of the error, is small enough: history, error, whether it is."""
+    finest = levels.levels[0]
+    history, error, last_move = [1.0, finest.residual() / scale], np.inf, np.inf
+    before, mixing = finest.r.copy(), None
+    damping, best_at = 1.0, 0
+    for cycle in range(1, most_cycles + 1):
+        levels.cycle(damping=damping)
+        residual = finest.residual() / scale
+        if not residual <= _GROWTH * history[-1]:
+            finest.r[:] = before
+            mixing = None
+            safe_cycle(levels)
+            residual = finest.residual() / scale
+        history.append(residual)
+        move = finest.largest_move(before)
+        rate = min(max(move / last_move, 0.1), 0.9) if np.isfinite(last_move) else 0.5
+        error, last_move = move * rate / (1 - rate), move
+        if error <= NEAR if tolerance is None else residual <= tolerance:
+            return tuple(history), error, True
+        best_at = best_at if residual >= min(history[:-1]) else cycle
+        if cycle - best_at > _PATIENCE:
+            if damping < 1:
+                break
+            damping, best_at, mixing = _DAMPED, cycle, None
+        advance(progress, cycle / most_cycles, f"residual {residual:.1e}")
+        if mixing is None and (tolerance is not None or cycle >= _MIXED_FROM):
+            mixing = Mixing(finest.r, levels.team)
+        if mixing is None:
+            before[:] = finest.r
+        else:
+            mixing.mix(finest.r, before)
+    return tuple(history), error, False
+
+
+class Mixing:
+    """Anderson's acceleration of a fixed-point iteration r = G(r).
+
+    D. G. Anderson, J. ACM 12 (1965); H. F. Walker, P. Ni, SIAM J. Numer. Anal. 49 (2011), algorithm 2.
+
+    Parameters
+    ----------
+    like : array
+        What is iterated.
+    team : Team
+        Who does the work.
+    """
+
+    def __init__(self, like: np.ndarray, team: Team):
+        self._team, self._used = team, -1
+        self._blocks = -(-like.size // mixing_kernels.BLOCK)
+        self._step, self._result = np.zeros(like.size), np.zeros(like.size)
+        self._steps, self._results = np.zeros((2, _WINDOW, like.size))
+        self._sums = np.zeros((self._blocks, 2 * _WINDOW))
+        self._gram = np.zeros((_WINDOW, _WINDOW))
+
+    def mix(self, r: np.ndarray, before: np.ndarray) -> None:
+        """Replace the result of a cycle by the best combination with those before; ``before`` becomes the same."""
+        slot = self._used % _WINDOW
+        flat, start = r.reshape(-1), before.reshape(-1)
+        step, steps, result, results, sums = self._step, self._steps, self._result, self._results, self._sums
+        self._share(lambda _, a, b: mixing_kernels.remember(flat, start, step, result, steps, results, slot, a, b))
+        share = np.zeros(_WINDOW)
+        if self._used >= 0:
+            known = min(self._used + 1, _WINDOW)
+            self._share(lambda _, a, b: mixing_kernels.products(steps[:known], step, slot, sums, a, b))
+            both = sums.sum(axis=0)
+            self._gram[slot, :known] = self._gram[:known, slot] = both[:known]
+            share[:known] = _least_squares(self._gram[:known, :known], both[known : 2 * known])
+        self._share(lambda _, a, b: mixing_kernels.mix(flat, start, results, share, a, b))
+        self._used += 1
+
+    def _share(self, run) -> None:
+        self._team.share(run, 0, self._blocks, self._step.size)
+
+
+def _least_squares(gram: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Solution of the normal equations, scaled, and without directions that rounding made."""
+    scale = 1 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    return scale * np.linalg.lstsq(gram * scale[:, None] * scale, right * scale, rcond=1e-12)[0]

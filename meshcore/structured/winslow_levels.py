@@ -1,0 +1,273 @@
+"""The levels of the planar Winslow solver: nonlinear multigrid (FAS) of the first kind, with smoothing by lines.
+
+A. Brandt, O. E. Livne, "Multigrid Techniques" (2011): the full approximation scheme (8.4) and full multigrid (7).
+Each level has about half as many cells a side as the next finer one, whatever their number: levels need not be nested.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from . import _winslow_kernels as kernels
+from . import _winslow_transfer_kernels as transfer
+from .team import Team
+
+FEWEST_CELLS = 8
+"""Cells a side below which a direction is not coarsened: a ten-chord annulus collapses on fewer."""
+_SWEEPS_AT_THE_BOTTOM = 8
+# A coarse correction that folds cells is shortened to this share, so often.
+_SHORTER, _SHORTENINGS = 0.4, 4
+
+
+@dataclass(frozen=True)
+class Table:
+    """Transfer along one direction between ``fine`` and ``coarse`` cells; node 0 is the first, ghosts come after.
+
+    Parameters
+    ----------
+    fine, coarse : int
+        Numbers of cells.
+    cyclic : bool
+        Whether the last node is the first.
+    """
+
+    fine: int
+    coarse: int
+    cyclic: bool
+
+    @property
+    def ratio(self) -> float:
+        """Fine cells per coarse cell."""
+        return self.fine / self.coarse
+
+    @cached_property
+    def to_coarse(self) -> tuple[np.ndarray, np.ndarray]:
+        """For each coarse node the fine node before it, and that node's share in linear interpolation."""
+        return _neighbours(np.arange(self.coarse + 1) * self.ratio, self.fine)
+
+    @cached_property
+    def to_fine(self) -> tuple[np.ndarray, np.ndarray]:
+        """For each fine node the coarse node before it, and that node's share in linear interpolation."""
+        return _neighbours(np.arange(self.fine + 1) / self.ratio, self.coarse)
+
+    @cached_property
+    def hats(self) -> tuple[np.ndarray, np.ndarray]:
+        """For each coarse node the fine nodes under its hat function, and their weights, which add up to one."""
+        at = np.arange(self.coarse + 1) * self.ratio
+        nodes = np.round(at).astype(np.int64)[:, None] + np.arange(transfer.HAT) - transfer.HAT // 2
+        weights = np.maximum(0.0, 1 - np.abs(nodes - at[:, None]) / self.ratio)
+        if self.cyclic:
+            nodes = (nodes - 1) % self.fine + 1
+        else:
+            weights[(nodes < 0) | (nodes > self.fine)] = 0
+            nodes = np.clip(nodes, 0, self.fine)
+        return nodes, weights / weights.sum(axis=1, keepdims=True)
+
+
+def _neighbours(at: np.ndarray, cells: int) -> tuple[np.ndarray, np.ndarray]:
+    left = np.minimum(np.floor(at + 1e-12).astype(np.int64), cells - 1)
+    return left, 1 - (at - left)
+
+
+class Level:
+    """Arrays of one level and what is done on it alone.
+
+    Parameters
+    ----------
+    cells : tuple of two int
+        Cells along i and j.
+    cyclic : bool
+        Whether the last node along i is the first, up to ``shift``; a ghost row is added then.
+    sharp : bool
+        Whether the boundary turns back on itself where a cyclic grid is cut, see `_winslow_kernels.CORNER`.
+    shift : (2,) float
+        From the first to the last node along i of a cyclic grid; zero for an O-grid.
+    team : Team
+        Who does the work.
+    """
+
+    def __init__(self, cells: tuple[int, int], cyclic: bool, sharp: bool, shift: np.ndarray, team: Team):
+        self.cells, self.cyclic, self.shift, self.team = cells, cyclic, shift, team
+        shape = (2, cells[0] + 1 + cyclic, cells[1] + 1)
+        self.sharp = cells[0] if cyclic and sharp else 0  # row 0 is no unknown, so this is none
+        self.r, self.f, self.c, self.d = (np.zeros(shape) for _ in range(4))
+        self.work = np.zeros((team.number, kernels.RECORD * max(shape[1:])))
+        self.row = np.zeros((team.number, shape[2]))
+        self._per_row = np.zeros(shape[1])
+        self._folds = np.zeros(shape[1] - 1, np.int64)
+
+    @property
+    def points(self) -> int:
+        """Nodes, ghosts included."""
+        return self.r[0].size
+
+    def _share(self, run: Callable[[int, int, int], object], first: int, last: int, grain: int = 1) -> None:
+        self.team.share(run, first, last, self.points, grain)
+
+    def wrap(self) -> None:
+        """Make ghosts follow."""
+        if self.cyclic:
+            kernels.wrap(self.r, self.shift)
+
+    def put(self, points: np.ndarray) -> None:
+        """Set (2, ni, nj) coordinates, without ghosts."""
+        self.r[:, : self.cells[0] + 1] = points
+        self.wrap()
+
+    @property
+    def points_without_ghosts(self) -> np.ndarray:
+        """(2, ni, nj) coordinates."""
+        return self.r[:, : self.cells[0] + 1]
+
+    def smooth(self) -> None:
+        """Solve every line of odd number, then of even, first along j, then along i."""
+        r, f, c, work, (_, rows, columns) = self.r, self.f, self.c, self.work, self.r.shape
+        grain = 2 * kernels.LANES
+        for odd in (1, 2):
+            self._share(
+                lambda k, a, b: kernels.smooth_along_j(r, f, c, self.sharp, work[k], a, b), odd, rows - 1, grain
+            )
+            self.wrap()
+        for odd in (1, 2):
+            self._share(
+                lambda k, a, b: kernels.smooth_along_i(r, f, c, self.sharp, self.cyclic, work[k], a, b),
+                odd,
+                columns - 1,
+                grain,
+            )
+            self.wrap()
+
+    def find_defect(self) -> None:
+        """d = f - N(r)."""
+        self._share(
+            lambda k, a, b: kernels.defect(self.r, self.f, self.c, self.d, self.sharp, a, b), 1, self.r.shape[1] - 1
+        )
+
+    def residual(self) -> float:
+        """Root of the mean square of the way that a step of point Jacobi would move a node."""
+        last = self.r.shape[1] - 1
+        self._share(lambda k, a, b: kernels.jacobi_moves(self.r, self.c, self.sharp, self._per_row, a, b), 1, last)
+        return float(np.sqrt(self._per_row[1:last].sum() / ((last - 1) * (self.r.shape[2] - 2))))
+
+    def largest_move(self, before: np.ndarray) -> float:
+        """The longest way of a node since ``before``, in units of the shortest edge at the node."""
+        last = self.r.shape[1] - 1
+        self._share(lambda k, a, b: kernels.largest_moves(self.r, before, self._per_row, a, b), 1, last)
+        return float(np.sqrt(self._per_row[1:last].max()))
+
+    def folds(self, sign: float) -> int:
+        """How many cells have no area of the given sign."""
+        last = self.r.shape[1] - 1
+        self._share(lambda k, a, b: kernels.count_folds(self.r, sign, self._folds, a, b), 0, last)
+        return int(self._folds.sum())
+
+
+class Levels:
+    """All levels, the finest first, and the cycles through them.
+
+    Parameters
+    ----------
+    cells, cyclic, sharp, shift, team
+        As of the finest `Level`.
+    sign : float
+        1 or -1, the sign of the grid's area: the orientation that cells must keep.
+    """
+
+    def __init__(
+        self, cells: tuple[int, int], *, cyclic: bool, sharp: bool, shift: np.ndarray, sign: float, team: Team
+    ):
+        self.sign, self.team = sign, team
+        self.levels, self.tables = [], []
+        while True:
+            self.levels.append(Level(cells, cyclic, sharp, shift, team))
+            coarser = tuple((n + 1) // 2 if n > FEWEST_CELLS else n for n in cells)
+            if coarser == cells:
+                break
+            self.tables.append((Table(cells[0], coarser[0], cyclic), Table(cells[1], coarser[1], False)))
+            cells = coarser
+        self._before = [level.r.copy() for level in self.levels[1:]]
+
+    def set_growth(self, theta: np.ndarray) -> None:
+        """Set the control functions of all levels from the finest's (2, ni, nj) logarithms of growth per cell.
+
+        On a straight line ``p = -2 tanh(theta / 2)`` makes each cell exp(theta) times as long as the one before. It is
+        theta that is averaged and multiplied on the way to coarser levels, so that |p| < 2 on all of them: the
+        off-diagonals of every line keep their sign.
+        """
+        for number, level in enumerate(self.levels):
+            level.c[:, : theta.shape[1]] = -2 * np.tanh(0.5 * theta)
+            if level.cyclic:
+                kernels.wrap(level.c, np.zeros(2))
+            if number < len(self.tables):
+                along_i, along_j = self.tables[number]
+                padded = np.zeros(level.r.shape)
+                padded[:, : theta.shape[1]] = theta
+                coarse = np.zeros(self.levels[number + 1].r.shape)
+                self._average(number, padded, coarse, 1.0)
+                coarse *= np.array([along_i.ratio, along_j.ratio])[:, None, None]
+                if level.cyclic:
+                    kernels.wrap(coarse, np.zeros(2))
+                theta = coarse[:, : self.levels[number + 1].cells[0] + 1]
+
+    def cycle(self, number: int = 0, damping: float = 1.0) -> None:
+        """One V(1, 1) cycle from level ``number`` down and up again."""
+        level = self.levels[number]
+        if number == len(self.tables):
+            for _ in range(_SWEEPS_AT_THE_BOTTOM):
+                level.smooth()
+            return
+        coarser = self.levels[number + 1]
+        level.smooth()
+        level.find_defect()
+        self.sample(number)
+        self._before[number][:] = coarser.r
+        coarser.f[:] = 0
+        coarser.find_defect()
+        along_i, along_j = self.tables[number]
+        self._average(number, level.d, coarser.f, along_i.ratio**2 * along_j.ratio**2)
+        coarser.f -= coarser.d
+        self.cycle(number + 1, damping)
+        self._correct_guarded(number, damping)
+        level.smooth()
+
+    def sample(self, number: int) -> None:
+        """Set the coordinates of the level after ``number`` by interpolation."""
+        along_i, along_j = self.tables[number]
+        coarser = self.levels[number + 1]
+        transfer.sample(self.levels[number].r, coarser.r, *along_i.to_coarse, *along_j.to_coarse)
+        coarser.wrap()
+
+    def correct(self, number: int, before: np.ndarray, step: float = 1.0) -> None:
+        """Add what changed since ``before`` on the next coarser level to level ``number``."""
+        along_i, along_j = self.tables[number]
+        level, coarser = self.levels[number], self.levels[number + 1]
+
+        def run(k: int, a: int, b: int) -> None:
+            transfer.correct(coarser.r, before, level.r, *along_i.to_fine, *along_j.to_fine, step, coarser.row[k], a, b)
+
+        self.team.share(run, 1, level.r.shape[1] - 1, level.points)
+        level.wrap()
+
+    def _correct_guarded(self, number: int, step: float) -> None:
+        """The same, shortened while it folds more cells: the discrete equations have folded solutions too."""
+        level, before = self.levels[number], self._before[number]
+        folds = level.folds(self.sign)
+        self.correct(number, before, step)
+        for _ in range(_SHORTENINGS):
+            if level.folds(self.sign) <= folds:
+                return
+            self.correct(number, before, (_SHORTER - 1) * step)
+            step *= _SHORTER
+
+    def _average(self, number: int, fine: np.ndarray, coarse: np.ndarray, scale: float) -> None:
+        along_i, along_j = self.tables[number]
+        row = self.levels[number].row
+
+        def run(k: int, a: int, b: int) -> None:
+            transfer.average(fine, coarse, *along_i.hats, *along_j.hats, scale, row[k], a, b)
+
+        self.team.share(run, 1, coarse.shape[1] - 1, fine[0].size)
