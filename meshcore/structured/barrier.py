@@ -1,0 +1,136 @@
+"""The few cells that the discrete elliptic equations leave folded, unfolded by a barrier on the patch around them."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.ndimage import binary_dilation, label
+from scipy.optimize import minimize
+
+from . import _barrier_kernels as kernels
+from .winslow import Frame
+
+_MARGINS = (3, 6, 12)  # cells around the folded ones that may move; more if fewer do not help
+_HALVINGS = 24
+_ITERATIONS = 150
+_SOUND = 1e-6  # sine of a corner below which its cell belongs to the patch
+
+
+def weak_cells(points: np.ndarray, sign: float, sine: float = _SOUND) -> np.ndarray:
+    """(ni - 1, nj - 1) bool: cells with a corner that is turned over or flat.
+
+    Parameters
+    ----------
+    points : (ni, nj, 2) float
+        A planar grid.
+    sign : float
+        1 if i, j are right-handed, else -1.
+    sine : float
+        Sine of the angle at a corner from which on it is sound.
+
+    Examples
+    --------
+    >>> x, y = np.meshgrid([0.0, 1, 2], [0.0, 1], indexing="ij")
+    >>> points = np.stack([x, y], axis=-1)
+    >>> points[1, 0, 0] = 2.5
+    >>> weak_cells(points, 1.0)
+    array([[False],
+           [ True]])
+    """
+    weak = np.zeros((len(points) - 1, points.shape[1] - 1), bool)
+    along_i, along_j = np.diff(points, axis=0), np.diff(points, axis=1)
+    for low in (slice(None, -1), slice(1, None)):
+        for left in (slice(None, -1), slice(1, None)):
+            (ax, ay), (bx, by) = np.moveaxis(along_i[:, low], -1, 0), np.moveaxis(along_j[left], -1, 0)
+            weak |= ~(sign * (ax * by - ay * bx) > sine * np.hypot(ax, ay) * np.hypot(bx, by))
+    return weak
+
+
+def unfolded(points: np.ndarray, sign: float, *, cyclic: bool = False) -> np.ndarray:
+    """A planar grid with its folded cells made convex, by moving the points around them and no others.
+
+    What cannot be unfolded is left as it is: a cell at a corner of the grid where the boundary turns by 180 degrees or
+    more, for instance.
+
+    Parameters
+    ----------
+    points : (ni, nj, 2) float
+        A grid with few folded cells. Its boundary stays.
+    sign : float
+        1 if i, j are right-handed, else -1.
+    cyclic : bool
+        Whether the last row along i is the first.
+
+    Returns
+    -------
+    (ni, nj, 2) float
+
+    Examples
+    --------
+    >>> x, y = np.meshgrid(np.arange(5.0), np.arange(5.0), indexing="ij")
+    >>> points = np.stack([x, y], axis=-1)
+    >>> points[2, 2] += 1.5
+    >>> weak_cells(points, 1.0).any(), weak_cells(unfolded(points, 1.0), 1.0).any()
+    (True, False)
+    """
+    weak = weak_cells(points, sign)
+    if not weak.any():
+        return points
+    turn = _quiet_row(weak) if cyclic else 0
+    rows = np.concatenate([np.roll(np.arange(len(points) - 1), -turn), [turn]]) if turn else np.arange(len(points))
+    turned = points[rows]
+    for margin in _MARGINS:
+        weak = weak_cells(turned, sign)
+        if not weak.any():
+            break
+        patches, number = label(binary_dilation(weak, np.ones((3, 3)), iterations=margin))
+        for patch in range(1, number + 1):
+            i, j = np.nonzero(patches == patch)
+            window = np.s_[i.min() : i.max() + 2, j.min() : j.max() + 2]
+            turned[window] = _without_folds(turned[window], sign)
+    if not turn:
+        return turned
+    result = points.copy()
+    result[rows] = turned
+    result[-1] = result[0]
+    return result
+
+
+def _quiet_row(weak: np.ndarray) -> int:
+    """The row of a cyclic grid that is farthest from any folded cell: where best to cut it."""
+    n = len(weak)
+    rows = np.flatnonzero(weak.any(axis=1))
+    away = np.abs(np.arange(n)[:, None] - rows[None, :])
+    return int(np.minimum(away, n - away).min(axis=1).argmax())
+
+
+def _without_folds(points: np.ndarray, sign: float) -> np.ndarray:
+    """Minimise the functional inside a patch, at first with a soft barrier; the patch as it was if that fails."""
+    if min(points.shape[:2]) < 3:
+        return points
+    frame = Frame.of(points)
+    r = frame.inside(points)
+    along_i = np.linalg.norm(np.diff(r, axis=1), axis=0).mean(axis=1)
+    along_j = np.linalg.norm(np.diff(r, axis=2), axis=0).mean(axis=0)
+    shape = r[:, 1:-1, 1:-1].shape
+    scale = np.minimum(np.minimum(along_i[1:], along_i[:-1])[:, None], np.minimum(along_j[1:], along_j[:-1])[None, :])
+    gradient = np.empty_like(r)
+    least = 0.0
+
+    def value(z: np.ndarray, delta: float) -> tuple[float, np.ndarray]:
+        nonlocal least
+        r[:, 1:-1, 1:-1] = z.reshape(shape) * scale
+        total, least = kernels.functional(r, along_i, along_j, sign, delta, gradient)
+        return total, (gradient[:, 1:-1, 1:-1] * scale).ravel()
+
+    z = (r[:, 1:-1, 1:-1] / scale).ravel()
+    value(z, 1.0)
+    delta = max(0.5, -least)  # a sound corner spans about 1 in these units
+    for _ in range(_HALVINGS):
+        z = minimize(value, z, args=(delta,), jac=True, method="L-BFGS-B", options={"maxiter": _ITERATIONS}).x
+        value(z, delta)
+        if least > 0:
+            break
+        delta *= 0.5
+    else:
+        return points
+    return frame.outside(r, points)
