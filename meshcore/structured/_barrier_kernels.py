@@ -12,8 +12,8 @@ def functional(r, along_i, along_j, sign, delta, gradient):
     """Sum over corners of cells of (|e_i|^2 + |e_j|^2) / h(J), its gradient, and the least J.
 
     Edges e are measured in units of ``along_i`` and ``along_j``, so that stretched cells may stay so. J is the area
-    that a corner spans, h(J) = (J + sqrt(J^2 + 4 delta^2)) / 2 stays positive: V. A. Garanzha, Comput. Math. Math. Phys. 40
-    (2000); J. M. Escobar et al., Comput. Methods Appl. Mech. Engrg. 192 (2003), equation (8).
+    that a corner spans; h(J) = (J + sqrt(J^2 + 4 delta^2)) / 2 stays positive: V. A. Garanzha, Comput. Math. Math.
+    Phys. 40 (2000); J. M. Escobar et al., Comput. Methods Appl. Mech. Engrg. 192 (2003), equation (8).
     """
     gradient[:] = 0.0
     total, least = 0.0, HUGE
@@ -44,3 +44,87 @@ def functional(r, along_i, along_j, sign, delta, gradient):
                 gradient[0, at_i, at_j] -= dax + dbx
                 gradient[1, at_i, at_j] -= day + dby
     return total, least
+
+
+@kernel
+def inner(a, b):
+    """Inner product."""
+    total = 0.0
+    for k in range(a.size):
+        total += a[k] * b[k]
+    return total
+
+
+@kernel
+def slope_inside(r, along_i, along_j, sign, delta, scale, gradient, slope):
+    """`functional`, and its gradient by the points inside in units of ``scale``."""
+    value, least = functional(r, along_i, along_j, sign, delta, gradient)
+    k = 0
+    for x in range(2):
+        for i in range(1, r.shape[1] - 1):
+            for j in range(1, r.shape[2] - 1):
+                slope[k] = gradient[x, i, j] * scale[i - 1, j - 1]
+                k += 1
+    return value, least
+
+
+@kernel
+def move_inside(r, way, step, scale):
+    """Move the points inside by ``step`` times ``way``, in units of ``scale``."""
+    k = 0
+    for x in range(2):
+        for i in range(1, r.shape[1] - 1):
+            for j in range(1, r.shape[2] - 1):
+                r[x, i, j] += step * way[k] * scale[i - 1, j - 1]
+                k += 1
+
+
+@kernel
+def minimise(r, along_i, along_j, sign, delta, scale, gradient, vectors, steps, changes, shares, most):
+    """Limited-memory BFGS with back-tracking, on the points inside; returns the least J.
+
+    J. Nocedal, S. J. Wright, "Numerical Optimization" (2006), algorithms 7.4 and 7.5. ``vectors`` is room for slope,
+    new slope and way, ``steps`` and ``changes`` for what is remembered, ``shares`` for their coefficients.
+    """
+    slope, new_slope, way = vectors
+    window = len(steps)
+    value, least = slope_inside(r, along_i, along_j, sign, delta, scale, gradient, slope)
+    known = 0
+    for _ in range(most):
+        way[:] = slope
+        for k in range(known - 1, max(known - window, 0) - 1, -1):
+            s, y = steps[k % window], changes[k % window]
+            shares[k % window] = inner(s, way) / inner(s, y)
+            way -= shares[k % window] * y
+        if known:
+            s, y = steps[(known - 1) % window], changes[(known - 1) % window]
+            way *= inner(s, y) / inner(y, y)
+        else:
+            way *= 0.1 / (math.sqrt(inner(slope, slope)) + 1e-300)
+        for k in range(max(known - window, 0), known):
+            s, y = steps[k % window], changes[k % window]
+            way += (shares[k % window] - inner(y, way) / inner(s, y)) * s
+        descent = -inner(way, slope)
+        if not descent < 0:
+            return least
+        length, moved = 1.0, 0.0
+        for _ in range(30):
+            move_inside(r, way, moved - length, scale)
+            moved = length
+            new_value, least = slope_inside(r, along_i, along_j, sign, delta, scale, gradient, new_slope)
+            if new_value <= value + 1e-4 * length * descent:
+                break
+            length *= 0.5
+        else:
+            move_inside(r, way, moved, scale)
+            return slope_inside(r, along_i, along_j, sign, delta, scale, gradient, slope)[1]
+        s, y = steps[known % window], changes[known % window]
+        s[:] = -length * way
+        y[:] = new_slope - slope
+        slope[:] = new_slope
+        if inner(s, y) > 1e-12 * inner(y, y):
+            known += 1
+        if value - new_value <= 1e-9 * value:
+            return least
+        value = new_value
+    return least

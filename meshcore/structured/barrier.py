@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.ndimage import binary_dilation, label
-from scipy.optimize import minimize
 
 from . import _barrier_kernels as kernels
 from .winslow import Frame
 
-_MARGINS = (3, 6, 12)  # cells around the folded ones that may move; more if fewer do not help
+_MARGINS = (1, 2, 4, 8)  # cells around the folded ones that may move; more if fewer do not help
 _HALVINGS = 24
 _ITERATIONS = 150
+_WINDOW = 8  # steps that the minimiser remembers
 _SOUND = 1e-6  # sine of a corner below which its cell belongs to the patch
 
 
@@ -111,26 +111,13 @@ def _without_folds(points: np.ndarray, sign: float) -> np.ndarray:
     r = frame.inside(points)
     along_i = np.linalg.norm(np.diff(r, axis=1), axis=0).mean(axis=1)
     along_j = np.linalg.norm(np.diff(r, axis=2), axis=0).mean(axis=0)
-    shape = r[:, 1:-1, 1:-1].shape
     scale = np.minimum(np.minimum(along_i[1:], along_i[:-1])[:, None], np.minimum(along_j[1:], along_j[:-1])[None, :])
-    gradient = np.empty_like(r)
-    least = 0.0
-
-    def value(z: np.ndarray, delta: float) -> tuple[float, np.ndarray]:
-        nonlocal least
-        r[:, 1:-1, 1:-1] = z.reshape(shape) * scale
-        total, least = kernels.functional(r, along_i, along_j, sign, delta, gradient)
-        return total, (gradient[:, 1:-1, 1:-1] * scale).ravel()
-
-    z = (r[:, 1:-1, 1:-1] / scale).ravel()
-    value(z, 1.0)
+    room = [np.empty((n, 2 * scale.size)) for n in (3, _WINDOW, _WINDOW)]
+    room = [np.empty_like(r), *room, np.empty(_WINDOW)]
+    least = kernels.functional(r, along_i, along_j, sign, 1.0, room[0])[1]
     delta = max(0.5, -least)  # a sound corner spans about 1 in these units
     for _ in range(_HALVINGS):
-        z = minimize(value, z, args=(delta,), jac=True, method="L-BFGS-B", options={"maxiter": _ITERATIONS}).x
-        value(z, delta)
-        if least > 0:
-            break
+        if kernels.minimise(r, along_i, along_j, sign, delta, scale, *room, _ITERATIONS) > 0:
+            return frame.outside(r, points)
         delta *= 0.5
-    else:
-        return points
-    return frame.outside(r, points)
+    return points

@@ -14,7 +14,7 @@ from ..progress import Progress, advance, silent
 from ..threads import available_threads
 from . import _winslow_mixing_kernels as mixing_kernels
 from .team import Team
-from .winslow_levels import Levels
+from .winslow_levels import FEWEST_CELLS, Levels
 
 NEAR = 1e-3
 """By default a node may be so far from its converged place, in units of the shortest edge that ends there."""
@@ -176,7 +176,7 @@ class Frame:
         return points
 
 
-def levels_of(r: np.ndarray, cyclic: bool, team: Team) -> Levels:
+def levels_of(r: np.ndarray, cyclic: bool, team: Team, fewest: tuple[int, int] = FEWEST_CELLS) -> Levels:
     """`Levels` of a grid, with its (2, ni, nj) coordinates put on the finest."""
     diagonals = r[:, 1:, 1:] - r[:, :-1, :-1], r[:, :-1, 1:] - r[:, 1:, :-1]
     area = float((diagonals[0][0] * diagonals[1][1] - diagonals[0][1] * diagonals[1][0]).sum())
@@ -188,6 +188,7 @@ def levels_of(r: np.ndarray, cyclic: bool, team: Team) -> Levels:
         shift=r[:, -1, 0] - r[:, 0, 0],
         sign=1.0 if area > 0 else -1.0,
         team=team,
+        fewest=fewest,
     )
     levels.levels[0].put(r)
     return levels

@@ -16,8 +16,8 @@ from . import _winslow_kernels as kernels
 from . import _winslow_transfer_kernels as transfer
 from .team import Team
 
-FEWEST_CELLS = 8
-"""Cells a side below which a direction is not coarsened: a ten-chord annulus collapses on fewer."""
+FEWEST_CELLS = (8, 8)
+"""Cells along i and j below which a direction is not coarsened: a ten-chord annulus collapses on fewer."""
 _SWEEPS_AT_THE_BOTTOM = 8
 # A coarse correction that folds cells is shortened to this share, so often.
 _SHORTER, _SHORTENINGS = 0.4, 4
@@ -175,16 +175,26 @@ class Levels:
         As of the finest `Level`.
     sign : float
         1 or -1, the sign of the grid's area: the orientation that cells must keep.
+    fewest : tuple of two int
+        Cells along i and j that are not made fewer.
     """
 
     def __init__(
-        self, cells: tuple[int, int], *, cyclic: bool, sharp: bool, shift: np.ndarray, sign: float, team: Team
+        self,
+        cells: tuple[int, int],
+        *,
+        cyclic: bool,
+        sharp: bool,
+        shift: np.ndarray,
+        sign: float,
+        team: Team,
+        fewest: tuple[int, int] = FEWEST_CELLS,
     ):
         self.sign, self.team = sign, team
         self.levels, self.tables = [], []
         while True:
             self.levels.append(Level(cells, cyclic, sharp, shift, team))
-            coarser = tuple((n + 1) // 2 if n > FEWEST_CELLS else n for n in cells)
+            coarser = tuple((n + 1) // 2 if n > least else n for n, least in zip(cells, fewest, strict=True))
             if coarser == cells:
                 break
             self.tables.append((Table(cells[0], coarser[0], cyclic), Table(cells[1], coarser[1], False)))

@@ -1,0 +1,231 @@
+"""Angle and first height of cells at walls, by control functions that are found while the grid is solved.
+
+J. L. Steger, R. L. Sorenson, J. Comput. Phys. 33 (1979); R. L. Sorenson, NASA TM 81198 (1980), for the limits on what
+the controls may be and how far they may move in a step. Both control functions are logarithms of growth here:
+
+    theta_normal = t(s) exp(-b n)           makes cells grow from the wall: the first height
+    theta_along  = u(s) exp(-a d(s, n))     makes lines lean along the wall: the angle
+
+n counts cells from the wall; the distance d from the wall is in units of the wall's own spacing, so that lines lean
+back within about a cell's width. After each cycle t and u move by a share of what their response promises.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..progress import Progress, advance, silent
+from .winslow import full_multigrid, safe_cycle
+from .winslow_levels import Levels
+
+SIDES = ("south", "east", "north", "west")
+ANGLE_WITHIN, HEIGHT_WITHIN, RESIDUAL_WITHIN = 1.0, 0.05, 1e-3
+FEWEST_CELLS = (16, 24)
+"""Cells that a direction keeps on all levels: coarser ones cannot hold a control function that falls off in a few."""
+MOST_STEPS = 120
+_LEAN_REACH = 0.5  # a
+_GROWTH_REACH = 5.0  # b times the cells from wall to wall
+_SHARE = 0.6  # of the promised step
+_FIRST_SHARE = 0.8  # of the height's first step, which has no limit of its own: a far smaller height is half the work
+_LARGEST_LEAN_STEP, _LARGEST_HEIGHT_STEP, _LARGEST_CONTROL = 0.4, 0.8, 1.5
+_NEAR_CORNER = 2  # nodes beside a sharp corner of a wall, where neither angle nor height mean much
+_SHARP = 60.0  # degrees of turning
+
+
+@dataclass(frozen=True)
+class Wall:
+    """What is asked at one side of a grid.
+
+    Parameters
+    ----------
+    side : str
+        "south", "east", "north" or "west": j = 0, the last i, the last j, i = 0.
+    first_height : float or (n,) float, optional
+        Length of the first edge of the lines that leave the wall; left out, it is what it becomes.
+    angle : float or (n,) float, optional
+        Degrees from the wall's direction, in which i or j grows, to the line that leaves it; left out, what it becomes.
+    """
+
+    side: str
+    first_height: float | np.ndarray | None = None
+    angle: float | np.ndarray | None = 90.0
+
+
+@dataclass
+class Measured:
+    """What a wall has: arrays over the nodes of the side.
+
+    Attributes
+    ----------
+    angle, height : (n,) float
+        Degrees from the wall's direction to the line, and length of the line's first edge.
+    spacing : (n,) float
+        Mean length of the two edges of the wall at the node.
+    counts : (n,) bool
+        Whether the node is no end of the side and not close to a sharp corner.
+    """
+
+    angle: np.ndarray
+    height: np.ndarray
+    spacing: np.ndarray
+    counts: np.ndarray
+
+
+def from_wall(grid: np.ndarray, side: str) -> np.ndarray:
+    """A view of (..., ni, nj) values as (..., along, outwards from the side).
+
+    Examples
+    --------
+    >>> from_wall(np.arange(6).reshape(3, 2), "north")[:, 0]
+    array([1, 3, 5])
+    """
+    flipped = {"south": grid, "north": grid[..., ::-1], "west": grid, "east": grid[..., ::-1, :]}[side]
+    return flipped.swapaxes(-1, -2) if side in ("west", "east") else flipped
+
+
+def measured(r: np.ndarray, side: str, sign: float, cyclic: bool) -> Measured:
+    """Angle, height and spacing at a side of a (2, ni, nj) grid whose cells' areas have the given sign."""
+    view = from_wall(r, side)
+    wall, first = view[..., 0], view[..., 1]
+    closed = cyclic and side in ("south", "north")
+    step = np.diff(wall, axis=1)
+    after = np.concatenate([step, step[:, :1] if closed else step[:, -1:]], axis=1)
+    before = np.concatenate([step[:, -1:] if closed else step[:, :1], step], axis=1)
+    long_after, long_before = np.linalg.norm(after, axis=0), np.linalg.norm(before, axis=0)
+    # The tangent of the parabola through three nodes; the bisector at a sharp corner.
+    ahead, behind = after / long_after, before / long_before
+    turn = np.abs(np.arctan2(ahead[1] * behind[0] - ahead[0] * behind[1], (ahead * behind).sum(axis=0)))
+    sharp = turn > np.radians(_SHARP)
+    weight = np.where(sharp, 0.5, long_before / (long_after + long_before))
+    tangent = weight * ahead + (1 - weight) * behind
+    flat = np.hypot(*tangent) < 1e-6
+    tangent[:, flat] = np.stack([-ahead[1], ahead[0]])[:, flat]
+    tangent /= np.hypot(*tangent)
+    facing = sign * (1.0 if side in ("south", "east") else -1.0)
+    edge = first - wall
+    along = (edge * tangent).sum(axis=0)
+    out = facing * (edge[1] * tangent[0] - edge[0] * tangent[1])
+    counts = ~sharp
+    for _ in range(_NEAR_CORNER):
+        counts[1:-1] &= counts[2:] & counts[:-2]
+    if closed:  # the nodes near the cut see a sharp corner on its other side
+        counts[[*range(_NEAR_CORNER + 1), *range(-_NEAR_CORNER - 1, 0)]] &= not sharp[0]
+    else:
+        counts[[0, -1]] = False
+    angle = np.degrees(np.arctan2(out, along))
+    return Measured(angle, np.hypot(*edge), 0.5 * (long_after + long_before), counts)
+
+
+@dataclass
+class _Control:
+    """The state of one wall's control: amplitudes t and u over its nodes."""
+
+    wall: Wall
+    closed: bool
+    fall: float
+    growth: np.ndarray
+    lean: np.ndarray
+
+    def step(self, found: Measured, *, first: bool) -> None:
+        """Move the amplitudes against what is wrong."""
+        if self.wall.first_height is not None:
+            wrong = np.log(found.height / self.wall.first_height)
+            step = (
+                _FIRST_SHARE * wrong if first else _SHARE * np.clip(wrong, -_LARGEST_HEIGHT_STEP, _LARGEST_HEIGHT_STEP)
+            )
+            self.growth = _limited(self.growth + self.fall * step)
+        if self.wall.angle is not None:
+            wrong = np.tan(np.clip(np.radians(self.wall.angle - found.angle), -1.2, 1.2))
+            wrong = np.clip(wrong, -_LARGEST_LEAN_STEP, _LARGEST_LEAN_STEP)
+            self.lean = _limited(self.lean + _SHARE * _LEAN_REACH * wrong)
+        if self.closed:
+            self.growth[-1], self.lean[-1] = self.growth[0], self.lean[0]
+
+    def add(self, theta: np.ndarray, r: np.ndarray, spacing: np.ndarray) -> None:
+        """Add the control functions to (2, ni, nj) logarithms of growth."""
+        side = self.wall.side
+        along, normal = (0, 1) if side in ("south", "north") else (1, 0)
+        outwards = 1.0 if side in ("south", "west") else -1.0
+        view = from_wall(theta, side)
+        lines = from_wall(r, side)
+        distance = np.zeros(lines.shape[1:])
+        np.cumsum(np.hypot(*np.diff(lines, axis=2)), axis=1, out=distance[:, 1:])
+        view[normal] += outwards * self.growth[:, None] * np.exp(-self.fall * np.arange(lines.shape[2]))
+        view[along] += self.lean[:, None] * np.exp(-_LEAN_REACH * distance / spacing[:, None])
+
+    def excess(self, found: Measured) -> tuple[float, float]:
+        """Largest error of angle (degrees) and of height (relative) where they count."""
+        angle = height = 0.0
+        if found.counts.any():
+            if self.wall.angle is not None:
+                angle = float(np.abs(found.angle - self.wall.angle)[found.counts].max())
+            if self.wall.first_height is not None:
+                height = float(np.abs(found.height / self.wall.first_height - 1)[found.counts].max())
+        return angle, height
+
+
+def _limited(amplitude: np.ndarray) -> np.ndarray:
+    return np.clip(amplitude, -_LARGEST_CONTROL, _LARGEST_CONTROL)
+
+
+@dataclass(frozen=True)
+class Controlled:
+    """How the control of walls went.
+
+    Attributes
+    ----------
+    history : tuple of float
+        Residuals, in units of the start's.
+    angle, height : float
+        Largest errors where they count: degrees, and a share of the height.
+    converged : bool
+        Whether all of these are small enough.
+    """
+
+    history: tuple[float, ...]
+    angle: float
+    height: float
+    converged: bool
+
+
+def controlled(
+    levels: Levels,
+    walls: list[Wall],
+    growth: np.ndarray,
+    *,
+    most_steps: int = MOST_STEPS,
+    angle_within: float = ANGLE_WITHIN,
+    height_within: float = HEIGHT_WITHIN,
+    progress: Progress = silent,
+) -> Controlled:
+    """Solve on the finest of ``levels`` with control functions ``growth`` and those that the walls come to need."""
+    finest = levels.levels[0]
+    scale = finest.residual()
+    levels.set_growth(growth)
+    full_multigrid(levels, 2)
+    ni, nj = growth.shape[1:]
+    controls = []
+    for wall in walls:
+        closed = finest.cyclic and wall.side in ("south", "north")
+        n, out = (ni, nj) if wall.side in ("south", "north") else (nj, ni)
+        opposite = SIDES[(SIDES.index(wall.side) + 2) % 4]
+        reach = (out - 1) / (2 if opposite in [other.side for other in walls] else 1)
+        controls.append(_Control(wall, closed, _GROWTH_REACH / reach, np.zeros(n), np.zeros(n)))
+    history = [1.0, finest.residual() / scale]
+    for step in range(most_steps):
+        r = finest.points_without_ghosts
+        found = [measured(r, control.wall.side, levels.sign, finest.cyclic) for control in controls]
+        angle, height = np.max([c.excess(f) for c, f in zip(controls, found, strict=True)], axis=0)
+        if angle < angle_within and height < height_within and history[-1] < RESIDUAL_WITHIN:
+            return Controlled(tuple(history), angle, height, True)
+        theta = growth.copy()
+        for control, have in zip(controls, found, strict=True):
+            control.step(have, first=step == 0)
+            control.add(theta, r, have.spacing)
+        levels.set_growth(_limited(theta))
+        safe_cycle(levels)
+        history.append(finest.residual() / scale)
+        advance(progress, step / most_steps, f"angle within {angle:.2g} degrees, height within {height:.1%}")
+    return Controlled(tuple(history), angle, height, False)
