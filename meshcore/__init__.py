@@ -11,7 +11,7 @@ from .operation import Length, Relative, operations
 from .progress import Progress, silent
 from .report import Report, Result
 from .sizing import discretised
-from .structured import o_grid, transfinite, transfinite_volume
+from .structured import Attractor, Wall, elliptic, elliptically_smoothed, o_grid, transfinite, transfinite_volume
 from .unstructured import (
     Tetrahedralization,
     Triangulation,
@@ -25,6 +25,7 @@ from .unstructured import (
 )
 
 __all__ = [
+    "Attractor",
     "Cancelled",
     "GenerationFailed",
     "InvalidGeometry",
@@ -42,12 +43,15 @@ __all__ = [
     "StructuredGrid",
     "Tetrahedralization",
     "Triangulation",
+    "Wall",
     "adapt",
     "constrained_delaunay",
     "delaunay_2d",
     "delaunay_3d",
     "delaunay_refinement",
     "discretised",
+    "elliptic",
+    "elliptically_smoothed",
     "io",
     "locate",
     "o_grid",

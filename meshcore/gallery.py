@@ -250,6 +250,7 @@ def arguments(identifier: str) -> tuple[tuple[Any, ...], dict[str, Any]]:
         "o_grid": ((airfoil("naca0012"),), {"radius": 4.0, "first_height": 0.01, "growth": 1.3}),
         "transfinite": (tuple(lines_through(side) for side in wavy_sides()), {}),
         "transfinite_volume": ((twisted_cage(),), {}),
+        "elliptic": (tuple(lines_through(side) for side in wavy_sides()), {}),
         "constrained_delaunay": ((square_with_hole(),), {}),
         "delaunay_3d": ((cloud_in_a_ball(),), {}),
         "discretised": ((square_with_hole(),), {"size": 0.08, "gradation": 0.5}),

@@ -28,6 +28,8 @@ class Report:
         What the user should know about the result.
     seconds : float
         Wall time in seconds, set by the registry.
+    history : list of float
+        Residual at the start and after each iteration, in units of the start's; not printed.
 
     Examples
     --------
@@ -46,6 +48,7 @@ class Report:
     converged: bool = True
     warnings: list[str] = field(default_factory=list)
     seconds: float = 0.0
+    history: list[float] = field(default_factory=list)
 
     def rows(self) -> list[tuple[str, str]]:
         """The table's rows, as pairs of text."""

@@ -798,6 +798,181 @@ def vtk_type_of(content):
     )
 
 
+@smproxy.filter(name="meshcoreEllipticGrid", label="meshcore Elliptic Grid", support_reload=False)
+@smhint.xml('<ShowInMenu category="meshcore"/>')
+@smproperty.xml(
+    """
+    <Documentation short_help="Elliptic Grid">Fill a planar four-sided patch with a smooth grid by the elliptic
+    equations.</Documentation>
+    <InputProperty name="Input" label="South" port_index="0" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>South side, or one closed loop in place of all four: line cells in one chain, or points in
+      order.</Documentation>
+    </InputProperty>
+    <InputProperty name="East" label="East" port_index="1" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>East side: line cells in one chain, or points in order.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
+    <InputProperty name="North" label="North" port_index="2" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>North side: line cells in one chain, or points in order.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
+    <InputProperty name="West" label="West" port_index="3" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>West side: line cells in one chain, or points in order.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
+    <IntVectorProperty name="CellsI" label="Cells I" command="SetCellsI" number_of_elements="1" default_values="0" panel_visibility="default">
+      <IntRangeDomain name="range" min="0" max="500"/>
+      <Documentation>Cells along south and north; by default as their points are given; 0 leaves it
+      out.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="CellsJ" label="Cells J" command="SetCellsJ" number_of_elements="1" default_values="0" panel_visibility="default">
+      <IntRangeDomain name="range" min="0" max="500"/>
+      <Documentation>Cells along west and east; by default as their points are given; 0 leaves it out.</Documentation>
+    </IntVectorProperty>
+    <DoubleVectorProperty name="SpacingSouth" label="Spacing South" command="SetSpacingSouth" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Height of the cells at the south side; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="SpacingEast" label="Spacing East" command="SetSpacingEast" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Width of the cells at the east side; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="SpacingNorth" label="Spacing North" command="SetSpacingNorth" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Height of the cells at the north side; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="SpacingWest" label="Spacing West" command="SetSpacingWest" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Width of the cells at the west side; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <IntVectorProperty name="Control" label="Control" command="SetControl" number_of_elements="1" default_values="1" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="none"/><Entry value="1" text="boundary spacing"/></EnumerationDomain>
+      <Documentation>Whether the sides' spacing is carried inside, or lines spread evenly (Laplace).</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="Walls" label="Walls" command="SetWalls" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="none"/><Entry value="1" text="south"/><Entry value="2" text="east"/><Entry value="3" text="north"/><Entry value="4" text="west"/><Entry value="5" text="south and north"/><Entry value="6" text="west and east"/><Entry value="7" text="all"/></EnumerationDomain>
+      <Documentation>Sides where the angle of lines and the first height are controlled.</Documentation>
+    </IntVectorProperty>
+    <DoubleVectorProperty name="FirstHeight" label="First Height" command="SetFirstHeight" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Length of the first edge at walls; by default what it becomes; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="WallAngle" label="Wall Angle" command="SetWallAngle" number_of_elements="1" default_values="90.0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="10" max="170"/>
+      <Documentation>Angle between walls and the lines that leave them, in degrees.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="Residual" label="Residual" command="SetResidual" number_of_elements="1" default_values="0" panel_visibility="advanced">
+      <DoubleRangeDomain name="range" min="0" max="1"/>
+      <Documentation>Residual to reach, of the start's; by default near to the converged grid; 0 leaves it
+      out.</Documentation>
+    </DoubleVectorProperty>
+    <IntVectorProperty name="MaxCycles" label="Max Cycles" command="SetMaxCycles" number_of_elements="1" default_values="60" panel_visibility="advanced">
+      <IntRangeDomain name="range" min="1"/>
+      <Documentation>Cycles after which to give up.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="Corners" label="Corners" command="SetCorners" number_of_elements="4" default_values="-1 -1 -1 -1" panel_visibility="advanced">
+      <IntRangeDomain name="range" min="-1 -1 -1 -1"/>
+      <Documentation>Points of a closed loop that are its corners; four times -1 finds them.</Documentation>
+    </IntVectorProperty>
+    <DoubleVectorProperty name="Tolerance" label="Tolerance" command="SetTolerance" number_of_elements="1" default_values="-1" panel_visibility="advanced">
+      <BoundsDomain name="range" mode="scaled_extent" scale_factor="1e-06"><RequiredProperties><Property name="Input" function="Input"/></RequiredProperties></BoundsDomain>
+      <Documentation>Largest gap between ends of sides that is closed; -1 takes 0.0001% of the diagonal of the input's
+      bounding box.</Documentation>
+    </DoubleVectorProperty>
+    <PropertyGroup label="Parameters">
+      <Property name="CellsI"/>
+      <Property name="CellsJ"/>
+      <Property name="Control"/>
+      <Property name="Walls"/>
+    </PropertyGroup>
+    <PropertyGroup label="Spacing">
+      <Property name="SpacingSouth"/>
+      <Property name="SpacingEast"/>
+      <Property name="SpacingNorth"/>
+      <Property name="SpacingWest"/>
+    </PropertyGroup>
+    <PropertyGroup label="Walls">
+      <Property name="FirstHeight"/>
+      <Property name="WallAngle"/>
+    </PropertyGroup>
+    <PropertyGroup label="Advanced">
+      <Property name="Residual"/>
+      <Property name="MaxCycles"/>
+      <Property name="Corners"/>
+      <Property name="Tolerance"/>
+    </PropertyGroup>
+    """
+)
+class meshcoreEllipticGrid(Operation):
+    operation = "elliptic"
+    label = "meshcore Elliptic Grid"
+    ports = (("south", "lines", False), ("east", "lines", True), ("north", "lines", True), ("west", "lines", True))
+    output = "vtkStructuredGrid"
+
+    def SetCellsI(self, value):
+        self.set("cells_i", value or None)
+
+    def SetCellsJ(self, value):
+        self.set("cells_j", value or None)
+
+    def SetSpacingSouth(self, value):
+        self.set("spacing_south", value or None)
+
+    def SetSpacingEast(self, value):
+        self.set("spacing_east", value or None)
+
+    def SetSpacingNorth(self, value):
+        self.set("spacing_north", value or None)
+
+    def SetSpacingWest(self, value):
+        self.set("spacing_west", value or None)
+
+    def SetControl(self, value):
+        self.set("control", ('none', 'boundary spacing')[value])
+
+    def SetWalls(self, value):
+        self.set("walls", ('none', 'south', 'east', 'north', 'west', 'south and north', 'west and east', 'all')[value])
+
+    def SetFirstHeight(self, value):
+        self.set("first_height", value or None)
+
+    def SetWallAngle(self, value):
+        self.set("wall_angle", value)
+
+    def SetResidual(self, value):
+        self.set("residual", value or None)
+
+    def SetMaxCycles(self, value):
+        self.set("max_cycles", value)
+
+    def SetCorners(self, *values):
+        self.set("corners", *values)
+
+    def SetTolerance(self, value):
+        self.set("tolerance", value if value >= 0 else BY_DEFAULT)
+
+
+
 @smproxy.filter(name="meshcoreOGrid", label="meshcore O Grid", support_reload=False)
 @smhint.xml('<ShowInMenu category="meshcore"/>')
 @smproperty.xml(

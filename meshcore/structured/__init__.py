@@ -1,10 +1,24 @@
-"""Structured grids: transfinite interpolation, block topologies, and operators on curved grids."""
+"""Structured grids: transfinite interpolation, elliptic equations, block topologies, and operators on curved grids."""
 
+from .control_functions import Attractor
 from .curvilinear import Curvilinear
+from .elliptic import elliptic, elliptically_smoothed
 from .finite_volumes import FiniteVolumes
 from .metrics import Metrics
 from .topologies import o_grid
 from .transfinite import transfinite
 from .transfinite_volume import transfinite_volume
+from .wall_control import Wall
 
-__all__ = ["Curvilinear", "FiniteVolumes", "Metrics", "o_grid", "transfinite", "transfinite_volume"]
+__all__ = [
+    "Attractor",
+    "Curvilinear",
+    "FiniteVolumes",
+    "Metrics",
+    "Wall",
+    "elliptic",
+    "elliptically_smoothed",
+    "o_grid",
+    "transfinite",
+    "transfinite_volume",
+]

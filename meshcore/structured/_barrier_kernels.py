@@ -22,6 +22,8 @@ def functional(r, along_i, along_j, sign, delta, gradient):
             u, v = 1.0 / along_i[i], 1.0 / along_j[j]
             for corner in range(4):
                 at_i, at_j = i + (corner & 1), j + (corner >> 1)
+                if (at_i == 0 or at_i == r.shape[1] - 1) and (at_j == 0 or at_j == r.shape[2] - 1):
+                    continue  # all of its points are fixed
                 to_i, to_j = i + 1 - (corner & 1), j + 1 - (corner >> 1)
                 ax, ay = u * (r[0, to_i, at_j] - r[0, at_i, at_j]), u * (r[1, to_i, at_j] - r[1, at_i, at_j])
                 bx, by = v * (r[0, at_i, to_j] - r[0, at_i, at_j]), v * (r[1, at_i, to_j] - r[1, at_i, at_j])

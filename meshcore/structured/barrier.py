@@ -36,13 +36,28 @@ def weak_cells(points: np.ndarray, sign: float, sine: float = _SOUND) -> np.ndar
     array([[False],
            [ True]])
     """
-    weak = np.zeros((len(points) - 1, points.shape[1] - 1), bool)
+    return _weak_corners(points, sign, sine).any(axis=(0, 1))
+
+
+def _weak_corners(points: np.ndarray, sign: float, sine: float = _SOUND) -> np.ndarray:
+    """(2, 2, ni - 1, nj - 1) bool: the corners of cells at their first and last i, and at their first and last j."""
     along_i, along_j = np.diff(points, axis=0), np.diff(points, axis=1)
-    for low in (slice(None, -1), slice(1, None)):
-        for left in (slice(None, -1), slice(1, None)):
-            (ax, ay), (bx, by) = np.moveaxis(along_i[:, low], -1, 0), np.moveaxis(along_j[left], -1, 0)
-            weak |= ~(sign * (ax * by - ay * bx) > sine * np.hypot(ax, ay) * np.hypot(bx, by))
+    weak = np.empty((2, 2, len(along_i), along_j.shape[1]), bool)
+    for at_i, rows in enumerate((slice(None, -1), slice(1, None))):
+        for at_j, columns in enumerate((slice(None, -1), slice(1, None))):
+            (ax, ay), (bx, by) = np.moveaxis(along_i[:, columns], -1, 0), np.moveaxis(along_j[rows], -1, 0)
+            weak[at_i, at_j] = ~(sign * (ax * by - ay * bx) > sine * np.hypot(ax, ay) * np.hypot(bx, by))
     return weak
+
+
+def _curable_cells(points: np.ndarray, sign: float, cyclic: bool) -> np.ndarray:
+    """Weak cells, but for those that are weak only at a corner of the grid, whose three points are all fixed."""
+    weak = _weak_corners(points, sign)
+    if not cyclic:
+        for at_i in (0, -1):
+            for at_j in (0, -1):
+                weak[at_i, at_j, at_i, at_j] = False
+    return weak.any(axis=(0, 1))
 
 
 def unfolded(points: np.ndarray, sign: float, *, cyclic: bool = False) -> np.ndarray:
@@ -70,16 +85,16 @@ def unfolded(points: np.ndarray, sign: float, *, cyclic: bool = False) -> np.nda
     >>> points = np.stack([x, y], axis=-1)
     >>> points[2, 2] += 1.5
     >>> int(weak_cells(points, 1.0).sum()), int(weak_cells(unfolded(points, 1.0), 1.0).sum())
-    (4, 0)
+    (3, 0)
     """
-    weak = weak_cells(points, sign)
+    weak = _curable_cells(points, sign, cyclic)
     if not weak.any():
         return points
     turn = _quiet_row(weak) if cyclic else 0
     rows = np.concatenate([np.roll(np.arange(len(points) - 1), -turn), [turn]]) if turn else np.arange(len(points))
     turned = points[rows]
     for margin in _MARGINS:
-        weak = weak_cells(turned, sign)
+        weak = _curable_cells(turned, sign, cyclic)
         if not weak.any():
             break
         patches, number = label(binary_dilation(weak, np.ones((3, 3)), iterations=margin))

@@ -6,8 +6,8 @@ the controls may be and how far they may move in a step. Both control functions 
     theta_normal = t(s) exp(-b n)           makes cells grow from the wall: the first height
     theta_along  = u(s) exp(-a d(s, n))     makes lines lean along the wall: the angle
 
-n counts cells from the wall; the distance d from the wall is in units of the wall's own spacing, so that lines lean
-back within about a cell's width. After each cycle t and u move by a share of what their response promises.
+n counts cells from the wall; the distance d from the wall is in units of the first cell's larger side, so that lines
+lean back within about a cell's width. After each cycle t and u move by a share of what their response promises.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..errors import InvalidInput
 from ..progress import Progress, advance, silent
 from .winslow import full_multigrid, safe_cycle
 from .winslow_levels import Levels
@@ -30,7 +31,9 @@ _GROWTH_REACH = 5.0  # b times the cells from wall to wall
 _SHARE = 0.6  # of the promised step
 _FIRST_SHARE = 0.8  # of the height's first step, which has no limit of its own: a far smaller height is half the work
 _LARGEST_LEAN_STEP, _LARGEST_HEIGHT_STEP, _LARGEST_CONTROL = 0.4, 0.8, 1.5
-_NEAR_CORNER = 2  # nodes beside a sharp corner of a wall, where neither angle nor height mean much
+# Lines must turn by the corner's angle within so many nodes beside a sharp corner or an end of a wall, and within so
+# many first heights: neither angle nor height are judged there.
+_NEAR_CORNER, _CORNER_REACH = 2, 2.0
 _SHARP = 60.0  # degrees of turning
 
 
@@ -45,12 +48,33 @@ class Wall:
     first_height : float or (n,) float, optional
         Length of the first edge of the lines that leave the wall; left out, it is what it becomes.
     angle : float or (n,) float, optional
-        Degrees from the wall's direction, in which i or j grows, to the line that leaves it; left out, what it becomes.
+        Degrees from the wall's direction, in which i or j grows, to the line that leaves it; None for what it becomes.
+
+    Raises
+    ------
+    InvalidInput
+        If there is no such side, or a height or an angle is impossible.
+
+    Examples
+    --------
+    >>> Wall("south", first_height=1e-3)
+    Wall(side='south', first_height=0.001, angle=90.0)
     """
 
     side: str
     first_height: float | np.ndarray | None = None
     angle: float | np.ndarray | None = 90.0
+
+    def __post_init__(self) -> None:
+        if self.side not in SIDES:
+            raise InvalidInput(f"{self.side!r} is no side; sides are {', '.join(SIDES)}", parameter="walls")
+        height, angle = (np.asarray(1.0 if v is None else v, float) for v in (self.first_height, self.angle))
+        if not (np.isfinite(height) & (height > 0)).all():
+            raise InvalidInput(
+                f"the first height must be a positive number, got {self.first_height}", parameter="walls"
+            )
+        if not ((angle > 0) & (angle < 180)).all():
+            raise InvalidInput(f"the angle must be between 0 and 180 degrees, got {self.angle}", parameter="walls")
 
 
 @dataclass
@@ -64,7 +88,7 @@ class Measured:
     spacing : (n,) float
         Mean length of the two edges of the wall at the node.
     counts : (n,) bool
-        Whether the node is no end of the side and not close to a sharp corner.
+        Whether the node is not close to an end of the side, or to a sharp corner.
     """
 
     angle: np.ndarray
@@ -107,15 +131,24 @@ def measured(r: np.ndarray, side: str, sign: float, cyclic: bool) -> Measured:
     edge = first - wall
     along = (edge * tangent).sum(axis=0)
     out = facing * (edge[1] * tangent[0] - edge[0] * tangent[1])
-    counts = ~sharp
-    for _ in range(_NEAR_CORNER):
-        counts[1:-1] &= counts[2:] & counts[:-2]
-    if closed:  # the nodes near the cut see a sharp corner on its other side
-        counts[[*range(_NEAR_CORNER + 1), *range(-_NEAR_CORNER - 1, 0)]] &= not sharp[0]
-    else:
-        counts[[0, -1]] = False
+    height = np.hypot(*edge)
+    counts = _away_from(sharp, step, height, closed)
     angle = np.degrees(np.arctan2(out, along))
-    return Measured(angle, np.hypot(*edge), 0.5 * (long_after + long_before), counts)
+    return Measured(angle, height, 0.5 * (long_after + long_before), counts)
+
+
+def _away_from(sharp: np.ndarray, step: np.ndarray, height: np.ndarray, closed: bool) -> np.ndarray:
+    """(n,) bool: nodes that are not close to a sharp corner or to an end, where another side begins."""
+    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(step, axis=0))])
+    number = np.arange(len(sharp))
+    counts = ~sharp
+    corners = np.flatnonzero(sharp)
+    for corner in corners if closed else [0, *corners, len(sharp) - 1]:
+        nodes, way = np.abs(number - corner), np.abs(length - length[corner])
+        if closed:
+            nodes, way = np.minimum(nodes, len(sharp) - 1 - nodes), np.minimum(way, length[-1] - way)
+        counts &= (nodes > _NEAR_CORNER) & (way > _CORNER_REACH * height)
+    return counts
 
 
 @dataclass
@@ -143,7 +176,7 @@ class _Control:
         if self.closed:
             self.growth[-1], self.lean[-1] = self.growth[0], self.lean[0]
 
-    def add(self, theta: np.ndarray, r: np.ndarray, spacing: np.ndarray) -> None:
+    def add(self, theta: np.ndarray, r: np.ndarray, unit: np.ndarray) -> None:
         """Add the control functions to (2, ni, nj) logarithms of growth."""
         side = self.wall.side
         along, normal = (0, 1) if side in ("south", "north") else (1, 0)
@@ -153,7 +186,7 @@ class _Control:
         distance = np.zeros(lines.shape[1:])
         np.cumsum(np.hypot(*np.diff(lines, axis=2)), axis=1, out=distance[:, 1:])
         view[normal] += outwards * self.growth[:, None] * np.exp(-self.fall * np.arange(lines.shape[2]))
-        view[along] += self.lean[:, None] * np.exp(-_LEAN_REACH * distance / spacing[:, None])
+        view[along] += self.lean[:, None] * np.exp(-_LEAN_REACH * distance / unit[:, None])
 
     def excess(self, found: Measured) -> tuple[float, float]:
         """Largest error of angle (degrees) and of height (relative) where they count."""
@@ -223,7 +256,7 @@ def controlled(
         theta = growth.copy()
         for control, have in zip(controls, found, strict=True):
             control.step(have, first=step == 0)
-            control.add(theta, r, have.spacing)
+            control.add(theta, r, np.maximum(have.spacing, have.height))
         levels.set_growth(_limited(theta))
         safe_cycle(levels)
         history.append(finest.residual() / scale)

@@ -177,17 +177,28 @@ class Frame:
         return points
 
 
+def orientation(points: np.ndarray) -> float:
+    """1 if i, j of a planar (ni, nj, 2) grid are right-handed, else -1: its boundary tells, folds inside do not matter.
+
+    Examples
+    --------
+    >>> x, y = np.meshgrid([0.0, 1, 2], [0.0, 1], indexing="ij")
+    >>> orientation(np.stack([x, y], axis=-1)), orientation(np.stack([y, x], axis=-1))
+    (1.0, -1.0)
+    """
+    one, other = points[1:, 1:] - points[:-1, :-1], points[:-1, 1:] - points[1:, :-1]
+    return 1.0 if (one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]).sum() > 0 else -1.0
+
+
 def levels_of(r: np.ndarray, cyclic: bool, team: Team, fewest: tuple[int, int] = FEWEST_CELLS) -> Levels:
     """`Levels` of a grid, with its (2, ni, nj) coordinates put on the finest."""
-    diagonals = r[:, 1:, 1:] - r[:, :-1, :-1], r[:, :-1, 1:] - r[:, 1:, :-1]
-    area = float((diagonals[0][0] * diagonals[1][1] - diagonals[0][1] * diagonals[1][0]).sum())
     turn = ((r[:, 1] - r[:, 0]) * (r[:, -1] - r[:, -2])).sum(axis=0)
     levels = Levels(
         (r.shape[1] - 1, r.shape[2] - 1),
         cyclic=cyclic,
         sharp=bool(min(turn[0], turn[-1]) < 0),
         shift=r[:, -1, 0] - r[:, 0, 0],
-        sign=1.0 if area > 0 else -1.0,
+        sign=orientation(np.moveaxis(r, 0, -1)),
         team=team,
         fewest=fewest,
     )

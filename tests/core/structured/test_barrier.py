@@ -71,7 +71,13 @@ def test_stretching_is_kept():
     assert ratio.min() > 0.5 and ratio.max() < 2
 
 
-def test_what_cannot_be_unfolded_stays():
-    grid = square(6)
-    grid[0, 0] = (0.5, 0.5)  # a corner of the boundary that points inwards
-    assert np.array_equal(unfolded(grid, 1.0), grid)
+def test_a_corner_that_points_inwards_stays_and_all_else_is_unfolded():
+    grid = square(9)
+    grid[0, 0] = (0.3, 0.3)
+    grid[1, 2] = grid[1, 4]
+    assert weak_cells(grid, 1.0).sum() > 1
+    cured = unfolded(grid, 1.0)
+    assert np.argwhere(weak_cells(cured, 1.0)).tolist() == [[0, 0]]
+    alone = square(9)
+    alone[0, 0] = (0.1, 0.1)
+    assert np.array_equal(unfolded(alone, 1.0), alone)

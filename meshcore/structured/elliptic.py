@@ -1,0 +1,249 @@
+"""Planar elliptic grids between four sides, or from a grid that is to be smoothed (survey 2.5.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, Literal
+
+from ..errors import GenerationFailed, InvalidInput
+from ..geometry.curves import Curve
+from ..mesh import StructuredGrid
+from ..operation import Length, Param, Port, Relative, absolute, operation
+from ..progress import Progress, part_of, silent
+from ..report import Result
+from ..threads import checked_threads
+from .control_functions import Attractor, ControlFunction
+from .elliptic_problem import Asked, Control, solved
+from .transfinite import transfinite
+from .wall_control import SIDES, Wall
+from .winslow import MOST_CYCLES
+
+_SIDE = "line cells in one chain, or points in order"
+Walls = Literal["none", "south", "east", "north", "west", "south and north", "west and east", "all"]
+
+
+@operation("Elliptic Grid", category="Structured", output="grid")
+def elliptic(
+    south: Annotated[Curve, Port(f"South side, or one closed loop in place of all four: {_SIDE}", cells=("line",))],
+    east: Annotated[Curve | None, Port(f"East side: {_SIDE}", cells=("line",))] = None,
+    north: Annotated[Curve | None, Port(f"North side: {_SIDE}", cells=("line",))] = None,
+    west: Annotated[Curve | None, Port(f"West side: {_SIDE}", cells=("line",))] = None,
+    *,
+    cells_i: Annotated[
+        int | None, Param("Cells along south and north; by default as their points are given", min=1, soft_max=500)
+    ] = None,
+    cells_j: Annotated[
+        int | None, Param("Cells along west and east; by default as their points are given", min=1, soft_max=500)
+    ] = None,
+    spacing_south: Annotated[Length | None, Param("Height of the cells at the south side", group="Spacing")] = None,
+    spacing_east: Annotated[Length | None, Param("Width of the cells at the east side", group="Spacing")] = None,
+    spacing_north: Annotated[Length | None, Param("Height of the cells at the north side", group="Spacing")] = None,
+    spacing_west: Annotated[Length | None, Param("Width of the cells at the west side", group="Spacing")] = None,
+    control: Annotated[
+        Control, Param("Whether the sides' spacing is carried inside, or lines spread evenly (Laplace)")
+    ] = "boundary spacing",
+    walls: Annotated[Walls, Param("Sides where the angle of lines and the first height are controlled")] = "none",
+    first_height: Annotated[
+        Length | None, Param("Length of the first edge at walls; by default what it becomes", group="Walls")
+    ] = None,
+    wall_angle: Annotated[
+        float, Param("Angle between walls and the lines that leave them", min=10, max=170, unit="degree", group="Walls")
+    ] = 90.0,
+    residual: Annotated[
+        float | None,
+        Param(
+            "Residual to reach, of the start's; by default near to the converged grid", min=1e-13, max=1, advanced=True
+        ),
+    ] = None,
+    max_cycles: Annotated[int, Param("Cycles after which to give up", min=1, advanced=True)] = MOST_CYCLES,
+    corners: Annotated[
+        tuple[int, int, int, int],
+        Param("Points of a closed loop that are its corners; four times -1 finds them", min=-1, advanced=True),
+    ] = (-1, -1, -1, -1),
+    tolerance: Annotated[Length, Param("Largest gap between ends of sides that is closed", min=0, advanced=True)] = (
+        Relative(1e-6)
+    ),
+    control_functions: Sequence[ControlFunction] | None = None,
+    attractors: Sequence[Attractor] = (),
+    threads: int | None = None,
+    progress: Progress = silent,
+) -> Result:
+    """Fill a planar four-sided patch with a smooth grid by the elliptic equations.
+
+    The transfinite grid between the sides, which are kept, is smoothed by the transformed Laplace or Poisson
+    equations. Corners of the boundary do not reach inside, and where transfinite interpolation spills over the boundary
+    this grid does not fold.
+
+    ::
+
+        Laplace: lines keep off a convex wall,        boundary spacing: they stay
+        and close up in a concave corner              as near as at the sides
+
+    Parameters
+    ----------
+    south, east, north, west : Mesh or (n, 3) float
+        The sides, in one plane of any attitude, as for `transfinite`. With south alone, a closed loop.
+    cells_i, cells_j : int, optional
+        Cells along i and j. Left out, opposite sides must have as many points as each other.
+    spacing_south, spacing_east, spacing_north, spacing_west : Length, optional
+        Size of the cells that touch that side, measured along the two sides that end there.
+    control : {"boundary spacing", "none"}
+        Control functions from the boundary's spacing (Thomas and Middlecoff, with the boundary's curvature), or none.
+    walls : {"none", "south", "east", "north", "west", "south and north", "west and east", "all"}
+        Sides at which control functions are found, while the grid is solved, so that lines leave the wall at an angle
+        and the first cells have a height (Steger and Sorenson).
+    first_height : Length, optional
+        Length of the first edge at walls.
+    wall_angle : float
+        Degrees from the wall's direction, in which i or j grows, to the lines that leave it.
+    residual : float, optional
+        Residual to reach in units of the start's. Left out, cycles go on until each node is within about a thousandth
+        of the local spacing from its converged place. Control at walls stops by angle and height instead.
+    max_cycles : int
+        Multigrid cycles after which to give up.
+    corners : tuple of four int
+        Numbers of the loop's corner points; all -1 picks the sharpest turns.
+    tolerance : Length
+        Ends of sides that are no farther apart than this are joined.
+    control_functions : two of (ni, nj) float or callables, optional
+        P and Q of ``g22 (r_ii + P r_i) - 2 g12 r_ij + g11 (r_jj + Q r_j) = 0`` in units of the index, or functions of
+        i and j; between -2 and 2. They are added to what ``control`` makes.
+    attractors : sequence of Attractor
+        Lines and points of the grid that draw others near, or push them away.
+    threads : int, optional
+        How many may work, by default all cores; the grid is the same for any number.
+    progress : Progress, optional
+        Called with fraction and message.
+
+    Returns
+    -------
+    Result
+        `StructuredGrid` of (ni, nj, 1) points whose faces are named after the sides, and the report, with the
+        residual's history. Not converged, or control functions that had to be made smaller, are told in `warnings`.
+
+    Raises
+    ------
+    InvalidInput
+        If the sides do not fit each other, or a control is impossible.
+    InvalidGeometry
+        If sides do not meet, do not lie in one plane, or have coincident points.
+    GenerationFailed
+        If cells stay folded; `cells` are the folded ones, `partial` the grid.
+
+    Notes
+    -----
+    Nonlinear multigrid (full approximation scheme) with alternating zebra line smoothing, started by full multigrid and
+    sped up by Anderson mixing: work grows like the number of points. Cells that the discrete equations leave folded,
+    at re-entrant corners, are unfolded by a barrier on the patch around them.
+
+    References
+    ----------
+    Survey, section 2.5.1. J. F. Thompson, Z. U. A. Warsi, C. W. Mastin, "Numerical Grid Generation" (1985), chapter VI.
+    P. D. Thomas, J. F. Middlecoff, AIAA J. 18 (1980). J. L. Steger, R. L. Sorenson, J. Comput. Phys. 33 (1979).
+
+    Examples
+    --------
+    >>> from meshcore import gallery
+    >>> grid, report = elliptic(*gallery.wavy_sides(16, 8), control="none", residual=1e-8)
+    >>> grid, report.converged, len(report.history) < 14
+    (StructuredGrid(17 x 9 points), True, True)
+    """
+    given = {
+        "cells_i": cells_i,
+        "cells_j": cells_j,
+        "spacing_south": spacing_south,
+        "spacing_east": spacing_east,
+        "spacing_north": spacing_north,
+        "spacing_west": spacing_west,
+        "blending": "arc length",
+        "corners": corners,
+        "tolerance": tolerance,
+    }
+    start = _transfinite_start(south, east, north, west, progress=part_of(progress, 0.0, 0.1), **given)
+    asked = Asked(
+        control=control,
+        control_functions=control_functions,
+        attractors=attractors,
+        walls=_walls(walls, start, first_height, wall_angle),
+        residual=residual,
+        most_cycles=max_cycles,
+        threads=checked_threads(threads),
+    )
+    return solved(start, asked, part_of(progress, 0.1, 1.0))
+
+
+def elliptically_smoothed(
+    grid: StructuredGrid,
+    *,
+    control: Control = "none",
+    control_functions: Sequence[ControlFunction] | None = None,
+    attractors: Sequence[Attractor] = (),
+    walls: Sequence[Wall] = (),
+    residual: float | None = None,
+    max_cycles: int = MOST_CYCLES,
+    threads: int | None = None,
+    progress: Progress = silent,
+) -> Result:
+    """Smooth a planar structured grid by the elliptic equations; its boundary is kept, the cut of an O-grid is free.
+
+    Parameters
+    ----------
+    grid : StructuredGrid
+        A surface grid in one plane, possibly folded; `periodic` along i or j makes the cut free.
+    control, control_functions, attractors, residual, max_cycles, threads, progress
+        As for `elliptic`.
+    walls : sequence of Wall
+        Sides with what is asked there.
+
+    Returns
+    -------
+    Result
+        A grid of the same shape, names and point data, and the report.
+
+    Raises
+    ------
+    InvalidInput
+        If the grid has layers, or a control is impossible.
+    InvalidGeometry
+        If the grid does not lie in one plane.
+    GenerationFailed
+        If cells stay folded; `cells` are the folded ones, `partial` the grid.
+
+    Examples
+    --------
+    >>> from meshcore import gallery
+    >>> from meshcore.structured import o_grid
+    >>> rough, _ = o_grid(gallery.airfoil("naca0012", cells=64), radius=4, layers=24, first_height=0.02)
+    >>> grid, report = elliptically_smoothed(rough, walls=[Wall("south", first_height=0.02)])
+    >>> report.converged, report.quality["error of wall angles (degree)"] < 1
+    (True, True)
+    """
+    if not grid.is_surface:
+        raise InvalidInput(f"needs one layer of points, got {grid.shape[2]}", parameter="grid")
+    asked = Asked(control, control_functions, attractors, walls, residual, max_cycles, checked_threads(threads))
+    return solved(grid, asked, progress)
+
+
+def _transfinite_start(*sides: Curve | None, **given) -> StructuredGrid:
+    """The transfinite grid between the sides, folded or not."""
+    try:
+        return transfinite(*sides, **given).mesh
+    except GenerationFailed as failure:
+        if failure.partial is None:
+            raise
+        return failure.partial
+
+
+def _walls(chosen: Walls, grid: StructuredGrid, first_height: Length | None, angle: float) -> list[Wall]:
+    """What is asked at the sides, which may stand elsewhere in a grid that had to be turned."""
+    if chosen == "none":
+        if first_height is not None:
+            raise InvalidInput("is given, but no walls; name the sides that are walls", parameter="first_height")
+        return []
+    names = SIDES if chosen == "all" else chosen.split(" and ")
+    faces = {"jmin": "south", "imax": "east", "jmax": "north", "imin": "west"}
+    places = {name: faces[face] for face, name in grid.names.items()}
+    height = None if first_height is None else absolute(first_height, grid.diagonal)
+    turned = places.get("west", "west") != "west"
+    angles = {side: 180 - angle if turned and side in ("south", "north") else angle for side in SIDES}
+    return [Wall(places[name], height, angles[places[name]]) for name in names]

@@ -1,0 +1,211 @@
+"""What a planar elliptic grid is asked to be, and the way from there to a checked grid: `elliptic` and its like."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+
+from ..errors import InvalidInput
+from ..geometry.plane import fitted_plane
+from ..mesh import StructuredGrid
+from ..progress import Progress, silent
+from ..quality import summary, validate
+from ..report import Report, Result
+from ..threads import available_threads
+from .barrier import unfolded, weak_cells
+from .control_functions import Attractor, ControlFunction, from_attractors, from_boundary, from_user
+from .folds import refuse_folds
+from .team import Team
+from .wall_control import FEWEST_CELLS, SIDES, Wall, controlled
+from .winslow import MOST_CYCLES, Frame, levels_of, orientation, winslow
+
+_CURE = (
+    "move the grid's corners to where the boundary turns by less than 180 degrees, ask for less control, "
+    "or give more cells"
+)
+_HALVINGS = 3  # of control functions that fold the grid
+Control = Literal["none", "boundary spacing"]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a planar elliptic grid shall be like; see `elliptic` for the meaning of each.
+
+    Attributes
+    ----------
+    control : {"none", "boundary spacing"}
+        Control functions from the boundary.
+    control_functions : P and Q, or None
+        The user's control functions.
+    attractors : sequence of Attractor
+        Lines and points that draw others near.
+    walls : sequence of Wall
+        What is asked at sides.
+    residual : float or None
+        Residual to reach.
+    most_cycles : int
+        Cycles after which to give up.
+    threads : int or None
+        How many may work.
+    """
+
+    control: Control = "none"
+    control_functions: Sequence[ControlFunction] | None = None
+    attractors: Sequence[Attractor] = ()
+    walls: Sequence[Wall] = ()
+    residual: float | None = None
+    most_cycles: int = MOST_CYCLES
+    threads: int | None = None
+
+    def growth(self, points: np.ndarray, cyclic: bool) -> np.ndarray | None:
+        """Logarithms of growth of all control functions together, or None for the Laplace equations."""
+        shape = points.shape[:2]
+        parts = []
+        if self.control == "boundary spacing":
+            parts.append(from_boundary(points, cyclic=cyclic))
+        if self.control_functions is not None:
+            parts.append(from_user(self.control_functions, shape))
+        if self.attractors:
+            parts.append(from_attractors(self.attractors, shape))
+        return sum(parts) if parts else None
+
+    def transposed(self) -> Asked:
+        """The same of a grid whose i and j change places."""
+        functions = self.control_functions
+        if functions is not None:
+            p, q = ((lambda i, j, f=f: f(j, i).T) if callable(f) else np.asarray(f).T for f in functions)
+            functions = (q, p)
+        attractors = [replace(a, i=a.j, j=a.i) for a in self.attractors]
+        names = dict(zip(SIDES, ("west", "north", "east", "south"), strict=True))
+        walls = [replace(wall, side=names[wall.side]) for wall in self.walls]
+        return replace(self, control_functions=functions, attractors=attractors, walls=walls)
+
+
+@dataclass
+class Found:
+    """A planar grid as it came out.
+
+    Attributes
+    ----------
+    points : (ni, nj, 2) float
+        The grid.
+    history : list of float
+        Residuals in units of the start's.
+    converged : bool
+        Whether what was asked for was reached.
+    warnings : list of str
+        What to tell the user.
+    quality : dict of str to float
+        Errors of angle and height at walls.
+    """
+
+    points: np.ndarray
+    history: Sequence[float]
+    converged: bool
+    warnings: list[str] = field(default_factory=list)
+    quality: dict[str, float] = field(default_factory=dict)
+
+
+def solved(start: StructuredGrid, asked: Asked, progress: Progress = silent) -> Result:
+    """The elliptic grid with the boundary of a planar one, checked."""
+    spatial = start.points[:, :, 0]
+    plane = fitted_plane(spatial.reshape(-1, 3), parameter="grid")
+    flat = plane.to_plane(spatial.reshape(-1, 3)).reshape(*spatial.shape[:2], 2)
+    if start.periodic[0] and start.periodic[1]:
+        raise InvalidInput("is periodic along i and j, which no planar grid can be", parameter="grid")
+    transposed = start.periodic[1]
+    if transposed:
+        flat, asked = np.ascontiguousarray(flat.swapaxes(0, 1)), asked.transposed()
+    found = _planar(flat, start.periodic[0] or transposed, asked, progress)
+    points = found.points.swapaxes(0, 1) if transposed else found.points
+    spatial = plane.to_space(points.reshape(-1, 2)).reshape(*points.shape[:2], 3)
+    for boundary in _kept(start):
+        spatial[boundary] = start.points[:, :, 0][boundary]
+    grid = start.with_points(spatial)
+    refuse_folds(grid, _CURE)
+    validate(grid)
+    report = Report(
+        counts={"points": grid.n_points, "quads": grid.n_cells},
+        quality={**summary(grid), **found.quality},
+        iterations=max(len(found.history) - 2, 0),
+        residual=float(found.history[-1]),
+        converged=found.converged,
+        warnings=found.warnings,
+        history=[float(value) for value in found.history],
+    )
+    return Result(grid, report)
+
+
+def _kept(grid: StructuredGrid) -> list[tuple]:
+    """Subscripts of the sides that stay: all but the cut of a periodic grid."""
+    ends = (0, -1)
+    along_j = [] if grid.periodic[0] else [(end,) for end in ends]
+    return along_j + ([] if grid.periodic[1] else [(slice(None), end) for end in ends])
+
+
+def _planar(points: np.ndarray, cyclic: bool, asked: Asked, progress: Progress) -> Found:
+    """Solve, with less control while that folds the grid; then unfold what is left."""
+    growth = asked.growth(points, cyclic)
+    sign = orientation(points)
+    if min(points.shape[:2]) < 3:
+        return Found(points, [0.0], True)
+    share = 1.0
+    for halving in range(_HALVINGS + 1):
+        found = _once(points, None if growth is None else share * growth, cyclic, asked, progress)
+        folds = weak_cells(found.points, sign).any()
+        if folds:
+            found.points = unfolded(found.points, sign, cyclic=cyclic)
+        if growth is None or (found.converged and not (folds and weak_cells(found.points, sign).any())):
+            break
+        share = 0.5 * share if halving < _HALVINGS - 1 else 0.0
+    else:
+        share = 0.0
+    if growth is not None and share < 1:
+        found.warnings.append(f"control functions folded the grid and were reduced to {share:.0%}")
+    return found
+
+
+def _once(points: np.ndarray, growth: np.ndarray | None, cyclic: bool, asked: Asked, progress: Progress) -> Found:
+    if asked.walls:
+        return _with_walls(points, growth, cyclic, asked, progress)
+    solution = winslow(
+        points,
+        growth=growth,
+        cyclic=cyclic,
+        tolerance=asked.residual,
+        most_cycles=asked.most_cycles,
+        threads=asked.threads,
+        progress=progress,
+    )
+    warnings = []
+    if not solution.converged:
+        warnings.append(
+            f"not converged after {len(solution.history) - 2} cycles: the residual is {solution.history[-1]:.2g} of "
+            f"the start's, and a node may be {solution.error:.2g} of the local spacing from its place"
+        )
+    return Found(solution.points, solution.history, solution.converged, warnings)
+
+
+def _with_walls(points: np.ndarray, growth: np.ndarray | None, cyclic: bool, asked: Asked, progress: Progress) -> Found:
+    frame = Frame.of(points)
+    walls = [
+        wall if wall.first_height is None else replace(wall, first_height=np.asarray(wall.first_height) / frame.size)
+        for wall in asked.walls
+    ]
+    if growth is None:
+        growth = np.zeros((2, *points.shape[:2]))
+    with Team(asked.threads or available_threads()) as team:
+        levels = levels_of(frame.inside(points), cyclic, team, FEWEST_CELLS)
+        went = controlled(levels, walls, growth, progress=progress)
+        grid = frame.outside(levels.levels[0].points_without_ghosts, points)
+    quality = {"error of wall angles (degree)": went.angle, "error of first heights (%)": 100 * went.height}
+    warnings = []
+    if not went.converged:
+        warnings.append(
+            f"walls not controlled after {len(went.history) - 2} steps: angles are off by up to {went.angle:.3g} "
+            f"degrees, heights by up to {went.height:.1%}"
+        )
+    return Found(grid, went.history, went.converged, warnings, quality)

@@ -1,0 +1,224 @@
+"""The elliptic operation: planar patches and grids of any attitude, control, walls, honesty."""
+
+import numpy as np
+import pytest
+
+import meshcore as mc
+from meshcore import Attractor, Wall, gallery
+from meshcore.errors import Cancelled, GenerationFailed, InvalidGeometry, InvalidInput
+from meshcore.structured.barrier import weak_cells
+from meshcore.structured.winslow import winslow
+from tests import naive
+from tests.core.structured.test_winslow import annulus, distance, star, wavy
+
+WAVY = tuple(np.round(side, 9) for side in gallery.wavy_sides(24, 14))
+TURN = np.array([[2, -1, 2], [2, 2, -1], [-1, 2, 2]]) / 3.0
+
+
+def planar(grid):
+    return grid.points[:, :, 0, :2]
+
+
+def grid_of(points, **more):
+    return mc.StructuredGrid(points, **more)
+
+
+@pytest.mark.parametrize("control", ["none", "boundary spacing"])
+def test_sides_are_kept_to_the_bit_and_cells_are_convex(control):
+    grid, report = mc.elliptic(*WAVY, control=control)
+    south, east, north, west = WAVY
+    assert (grid.points[:, 0, 0] == south).all() and (grid.points[:, -1, 0] == north).all()
+    assert (grid.points[0, :, 0] == west).all() and (grid.points[-1, :, 0] == east).all()
+    assert report.converged and not report.warnings
+    assert not weak_cells(planar(grid), 1.0).any()
+    assert grid.names == {"jmin": "south", "imax": "east", "jmax": "north", "imin": "west"}
+
+
+def test_laplace_grid_is_the_twins():
+    grid, report = mc.elliptic(*gallery.wavy_sides(9, 7), control="none", residual=1e-12)
+    start, _ = mc.transfinite(*gallery.wavy_sides(9, 7))
+    assert distance(planar(grid), naive.winslow(planar(start))) < 1e-10
+    assert report.residual <= 1e-12 and report.history[0] == 1 and len(report.history) == report.iterations + 2
+
+
+def test_any_attitude_gives_the_same_grid():
+    flat, _ = mc.elliptic(*WAVY, residual=1e-11)
+    turned, _ = mc.elliptic(*(side @ TURN.T + [1, 2, 3] for side in WAVY), residual=1e-11)
+    assert np.abs(turned.points - (flat.points @ TURN.T + [1, 2, 3])).max() < 1e-9
+    assert (turned.points[:, 0, 0] == WAVY[0] @ TURN.T + [1, 2, 3]).all()
+
+
+def test_a_closed_loop_is_cut_at_its_corners():
+    grid, _ = mc.elliptic(gallery.square(12))
+    x, y = np.meshgrid(np.linspace(0, 1, 13), np.linspace(0, 1, 13), indexing="ij")
+    found, exact = (np.unique(p.reshape(-1, 2).round(9), axis=0) for p in (planar(grid), np.stack([x, y], axis=-1)))
+    assert np.array_equal(found, exact)
+
+
+def test_where_transfinite_interpolation_spills_over_it_does_not():
+    n = 12
+    corners = (0, 2 * n, 3 * n, 6 * n)
+    with pytest.raises(GenerationFailed):
+        mc.transfinite(gallery.l_shape(n), corners=corners)
+    grid, report = mc.elliptic(gallery.l_shape(n), corners=corners, control="none")
+    assert not weak_cells(planar(grid), 1.0).any() and report.converged
+    a, b = planar(grid)[1:, 1:] - planar(grid)[:-1, :-1], planar(grid)[:-1, 1:] - planar(grid)[1:, :-1]
+    assert abs(0.5 * (a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]).sum() - 3) < 1e-12
+
+
+def test_random_stars_give_convex_cells_or_an_error_that_shows_where():
+    rng = np.random.default_rng(5)
+    sound = 0
+    for _ in range(60):
+        start = grid_of(star(rng, 20))
+        try:
+            grid, _ = mc.elliptically_smoothed(start)
+        except GenerationFailed as failure:
+            # No grid is convex at a corner where the boundary turns by 180 degrees or more; all others are.
+            assert set(failure.cells) <= {0, 19, 380, 399}
+            at = np.unravel_index(failure.cells, (20, 20), order="F")
+            assert weak_cells(planar(failure.partial), 1.0, 1e-12)[at].all()
+            continue
+        sound += 1
+        assert not weak_cells(planar(grid), 1.0, 1e-12).any()
+    assert sound > 10
+
+
+def test_walls_are_reached_from_the_sides():
+    sides = gallery.wavy_sides(40, 40)
+    grid, report = mc.elliptic(*sides, walls="south and north", first_height=0.005, control="none")
+    assert report.converged and report.quality["error of wall angles (degree)"] < 1
+    for wall, first in ((0, 1), (-1, -2)):
+        edge = planar(grid)[:, first] - planar(grid)[:, wall]
+        along = planar(grid)[2:, wall] - planar(grid)[:-2, wall]
+        size = np.linalg.norm(edge, axis=1)
+        assert np.abs(size / 0.005 - 1)[4:-4].max() < 0.06
+        sine = np.abs((edge[1:-1] * along).sum(axis=1)) / size[1:-1] / np.linalg.norm(along, axis=1)
+        assert np.degrees(np.arcsin(sine))[3:-3].max() < 1.5
+
+
+def test_walls_keep_their_names_in_a_patch_that_is_turned():
+    sides = [side * [-1, 1, 1] for side in gallery.wavy_sides(32, 32)]
+    straight, _ = mc.elliptic(*gallery.wavy_sides(32, 32), walls="east", first_height=0.01, wall_angle=80)
+    turned, _ = mc.elliptic(*sides, walls="east", first_height=0.01, wall_angle=80)
+    assert turned.names["imin"] == "east"
+    assert np.abs(turned.points[::-1] * [-1, 1, 1] - straight.points).max() < 1e-6
+
+
+def test_an_o_grid_is_smoothed_with_its_cut_free():
+    rough, _ = mc.o_grid(gallery.airfoil("s1223", cells=96), radius=5, layers=40, first_height=2e-3)
+    grid, report = mc.elliptically_smoothed(rough, walls=[Wall("south", first_height=2e-3)])
+    assert report.converged and grid.periodic == rough.periodic and grid.names == rough.names
+    assert (grid.points[:, 0] == rough.points[:, 0]).all() and (grid.points[:, -1] == rough.points[:, -1]).all()
+    assert (grid.points[0] == grid.points[-1]).all()
+    assert np.abs(grid.points[0, 1:-1] - rough.points[0, 1:-1]).max() > 1e-4
+
+
+def test_periodic_along_j_is_periodic_along_i_transposed():
+    points = annulus(20, 12) + np.array([0.3, 0]) * np.linspace(1, 0, 13)[:, None]
+    walls = {"along_i": [Wall("south", 0.1)], "along_j": [Wall("west", 0.1, 90.0)]}
+    one, _ = mc.elliptically_smoothed(
+        grid_of(points, periodic=(True, False, False)), walls=walls["along_i"], attractors=[Attractor(j=6)]
+    )
+    other, _ = mc.elliptically_smoothed(
+        grid_of(np.ascontiguousarray(points.swapaxes(0, 1)[:, ::-1]), periodic=(False, True, False)),
+        walls=walls["along_j"],
+        attractors=[Attractor(i=6)],
+    )
+    assert np.abs(one.points.swapaxes(0, 1)[:, ::-1] - other.points).max() < 1e-6
+
+
+def test_users_functions_and_attractors_reach_the_solver():
+    start = grid_of(wavy(24, 20, 0.05))
+    p = np.full((24, 20), 0.1)
+    grid, _ = mc.elliptically_smoothed(start, control_functions=(p, lambda i, j: -0.1 + 0 * i), residual=1e-11)
+    growth = np.empty((2, 24, 20))
+    growth[0], growth[1] = -2 * np.arctanh(0.05), 2 * np.arctanh(0.05)
+    assert distance(planar(grid), winslow(wavy(24, 20, 0.05), growth=growth, tolerance=1e-11).points) < 1e-8
+    near, _ = mc.elliptically_smoothed(start, attractors=[Attractor(j=10, strength=0.2)])
+    plain, _ = mc.elliptically_smoothed(start)
+    assert np.linalg.norm(near.points[12, 11] - near.points[12, 10]) < 0.8 * np.linalg.norm(
+        plain.points[12, 11] - plain.points[12, 10]
+    )
+
+
+def test_too_much_control_is_reduced_and_told():
+    p = np.where(np.arange(15) < 7, 1.2, -1.2) + np.zeros((25, 15))
+    q = np.where(np.arange(25) < 12, 1.2, -1.2)[:, None] + np.zeros((25, 15))
+    grid, report = mc.elliptic(*WAVY, control="none", control_functions=(p, q))
+    assert any("were reduced to" in text for text in report.warnings)
+    assert not weak_cells(planar(grid), 1.0).any()
+
+
+def test_not_converged_is_a_result_with_a_warning():
+    grid, report = mc.elliptic(*WAVY, residual=1e-12, max_cycles=2, control="none")
+    assert not report.converged and "not converged after 2 cycles" in report.warnings[0]
+    assert not weak_cells(planar(grid), 1.0).any()
+
+
+def test_an_impossible_height_is_told_not_reached():
+    _, report = mc.elliptic(*WAVY, walls="south", first_height=0.9)
+    assert not report.converged and "walls not controlled" in report.warnings[0]
+
+
+def test_a_corner_that_points_inwards_cannot_be_meshed():
+    points = wavy(12, 12, 0.0)
+    t = np.linspace(0, 1, 12)[:, None]
+    points[:, 0] = (1 - t) * [0.6, 0.6] + t * points[-1, 0]
+    points[0] = (1 - t) * [0.6, 0.6] + t * points[0, -1]
+    with pytest.raises(GenerationFailed, match="folded") as caught:
+        mc.elliptically_smoothed(grid_of(points))
+    assert 0 in caught.value.cells and caught.value.partial.shape == (12, 12, 1)
+
+
+@pytest.mark.parametrize("size", [2, 3])
+def test_grids_with_few_points_inside_or_none(size):
+    x, y = np.meshgrid(np.linspace(0, 1, size), np.linspace(0, 1, 6), indexing="ij")
+    points = np.stack([x + 0.1 * y, y], axis=-1)
+    grid, report = mc.elliptically_smoothed(grid_of(points))
+    assert report.converged and np.abs(planar(grid) - points).max() < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("keywords", "message"),
+    [
+        ({"residual": 0.0}, "residual: must be at least 1e-13"),
+        ({"residual": np.nan}, "residual: must be finite"),
+        ({"first_height": 0.1}, "first_height: is given, but no walls"),
+        ({"walls": "south", "first_height": -1.0}, "first_height: must be greater than zero"),
+        ({"walls": "south", "wall_angle": 180.0}, "wall_angle: must be at most 170"),
+        ({"walls": "top"}, "walls: 'top' is not one of"),
+        ({"control_functions": (np.full((25, 15), 2.0), np.zeros((25, 15)))}, "between -2 and 2"),
+        ({"max_cycles": 0}, "max_cycles: must be at least 1"),
+        ({"threads": 0}, "threads"),
+    ],
+)
+def test_bad_parameters_are_refused(keywords, message):
+    with pytest.raises(InvalidInput, match=message):
+        mc.elliptic(*WAVY, **keywords)
+
+
+def test_bad_geometry_is_refused():
+    south, east, north, west = WAVY
+    bent = north.copy()
+    bent[5, 2] = 0.3
+    with pytest.raises(InvalidGeometry, match="not planar"):
+        mc.elliptic(south, east, bent, west)
+    broken = south.copy()
+    broken[3, 0] = np.nan
+    with pytest.raises(InvalidInput):
+        mc.elliptic(broken, east, north, west)
+    with pytest.raises(InvalidInput, match="one layer"):
+        mc.elliptically_smoothed(mc.StructuredGrid(np.random.default_rng(0).random((3, 3, 3, 3))))
+    with pytest.raises(InvalidInput, match="no planar grid"):
+        mc.elliptically_smoothed(grid_of(wavy(5, 5), periodic=(True, True, False)))
+    with pytest.raises(InvalidInput, match="'roof'"):
+        Wall("roof")
+    for bad in ({"first_height": 0.0}, {"first_height": np.nan}, {"angle": 0.0}, {"angle": 180.0}):
+        with pytest.raises(InvalidInput):
+            Wall("south", **bad)
+
+
+def test_can_be_cancelled():
+    with pytest.raises(Cancelled):
+        mc.elliptic(*WAVY, residual=1e-10, progress=lambda fraction, message: "residual" not in message)
