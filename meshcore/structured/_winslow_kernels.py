@@ -7,7 +7,8 @@ chapter VI, equation (18), with control functions p and q that are factored as t
 
 Arrays are (2, ni, nj): coordinates ``r``, right-hand sides ``f``, control functions ``c`` = (p, q). Rows and columns 0
 and -1 are data: a boundary, or ghosts, where row 0 stands for row ni - 2 and row ni - 1 for row 1. Each kernel does the
-rows or columns from ``first`` to ``last``, so that threads share the work, and results do not depend on how.
+rows or columns from ``first`` to ``last``, so that threads share the work, and results do not depend on how. ``f`` and
+``c`` may have a single row, which then stands for all: where they are zero, reading them would take most of the time.
 """
 
 from .._numba import kernel
@@ -55,7 +56,14 @@ def defect(r, f, c, d, sharp, first, last):
     """d = f - N(r) in rows ``first`` to ``last``."""
     for i in range(first, last):
         x0, x1, x2, y0, y1, y2 = r[0, i - 1], r[0, i], r[0, i + 1], r[1, i - 1], r[1, i], r[1, i + 1]
-        fx, fy, dx, dy, p, q = f[0, i], f[1, i], d[0, i], d[1, i], c[0, i], c[1, i]
+        fx, fy, dx, dy, p, q = (
+            f[0, i % f.shape[1]],
+            f[1, i % f.shape[1]],
+            d[0, i],
+            d[1, i],
+            c[0, i % c.shape[1]],
+            c[1, i % c.shape[1]],
+        )
         corner = CORNER if i == sharp else 0.0
         for j in range(1, x1.size - 1):
             _, _, nx, ny = equation(x0, x1, x2, y0, y1, y2, p, q, j, corner)
@@ -64,17 +72,33 @@ def defect(r, f, c, d, sharp, first, last):
 
 
 @kernel
-def jacobi_moves(r, c, sharp, squares, first, last):
+def row_equations(r, f, c, i, sharp, out):
+    """a, g and N(r) - f in x and y of row i, at the same columns of ``out``: a loop that compilers make vectors of."""
+    x0, x1, x2, y0, y1, y2 = r[0, i - 1], r[0, i], r[0, i + 1], r[1, i - 1], r[1, i], r[1, i + 1]
+    fx, fy, p, q = f[0, i % f.shape[1]], f[1, i % f.shape[1]], c[0, i % c.shape[1]], c[1, i % c.shape[1]]
+    out_a, out_g, out_x, out_y = out[0], out[1], out[2], out[3]
+    corner = CORNER if i == sharp else 0.0
+    for j in range(1, x1.size - 1):
+        a, g, nx, ny = equation(x0, x1, x2, y0, y1, y2, p, q, j, corner)
+        out_a[j] = a
+        out_g[j] = g
+        out_x[j] = nx - fx[j]
+        out_y[j] = ny - fy[j]
+
+
+@kernel
+def jacobi_moves(r, f, c, sharp, out, squares, first, last):
     """Per row, the sum of squares of the way that a step of point Jacobi would move its nodes."""
+    n = r.shape[2]
     for i in range(first, last):
-        x0, x1, x2, y0, y1, y2 = r[0, i - 1], r[0, i], r[0, i + 1], r[1, i - 1], r[1, i], r[1, i + 1]
-        p, q = c[0, i], c[1, i]
-        corner = CORNER if i == sharp else 0.0
+        row_equations(r, f, c, i, sharp, out)
+        a, g, nx, ny = out[0], out[1], out[2], out[3]
         total = 0.0
-        for j in range(1, x1.size - 1):
-            a, g, nx, ny = equation(x0, x1, x2, y0, y1, y2, p, q, j, corner)
-            size = 2 * (a + g) + TINY
-            total += (nx * nx + ny * ny) / (size * size)
+        for j in range(1, n - 1):
+            size = 2 * (a[j] + g[j]) + TINY
+            a[j] = (nx[j] * nx[j] + ny[j] * ny[j]) / (size * size)
+        for j in range(1, n - 1):
+            total += a[j]
         squares[i] = total
 
 
@@ -86,7 +110,7 @@ def smooth_along_i(r, f, c, sharp, cyclic, work, first, last):
         used = min(LANES, (last - start + 1) // 2)
         for i in range(1, n - 1):
             x0, x1, x2, y0, y1, y2 = r[0, i - 1], r[0, i], r[0, i + 1], r[1, i - 1], r[1, i], r[1, i + 1]
-            fx, fy, p, q = f[0, i], f[1, i], c[0, i], c[1, i]
+            fx, fy, p, q = f[0, i % f.shape[1]], f[1, i % f.shape[1]], c[0, i % c.shape[1]], c[1, i % c.shape[1]]
             corner = CORNER if i == sharp else 0.0
             row = i * RECORD
             for k in range(used):
@@ -106,24 +130,23 @@ def smooth_along_i(r, f, c, sharp, cyclic, work, first, last):
 
 
 @kernel
-def smooth_along_j(r, f, c, sharp, work, first, last):
+def smooth_along_j(r, f, c, sharp, out, work, first, last):
     """Solve the rows ``first``, ``first`` + 2, ... before ``last`` for their correction, coefficients frozen."""
     n = r.shape[2]
     for start in range(first, last, 2 * LANES):
         used = min(LANES, (last - start + 1) // 2)
         for k in range(used):
             i = start + 2 * k
-            x0, x1, x2, y0, y1, y2 = r[0, i - 1], r[0, i], r[0, i + 1], r[1, i - 1], r[1, i], r[1, i + 1]
-            fx, fy, p, q = f[0, i], f[1, i], c[0, i], c[1, i]
-            corner = CORNER if i == sharp else 0.0
+            row_equations(r, f, c, i, sharp, out)
+            a, g, nx, ny, q = out[0], out[1], out[2], out[3], c[1, i % c.shape[1]]
             for j in range(1, n - 1):
-                a, g, nx, ny = equation(x0, x1, x2, y0, y1, y2, p, q, j, corner)
-                row = j * RECORD
-                work[row + BELOW + k] = g * (1 - 0.5 * q[j])
-                work[row + DIAGONAL + k] = 2 * (a + g) + TINY
-                work[row + ABOVE + k] = g * (1 + 0.5 * q[j])
-                work[row + DX + k] = nx - fx[j]
-                work[row + DY + k] = ny - fy[j]
+                half = 0.5 * q[j]
+                row = j * RECORD + k
+                work[row + BELOW] = g[j] * (1 - half)
+                work[row + DIAGONAL] = 2 * (a[j] + g[j]) + TINY
+                work[row + ABOVE] = g[j] * (1 + half)
+                work[row + DX] = nx[j]
+                work[row + DY] = ny[j]
         solve_lines(work, n - 2, False)
         for k in range(used):
             x, y = r[0, start + 2 * k], r[1, start + 2 * k]

@@ -88,15 +88,21 @@ class Level:
         From the first to the last node along i of a cyclic grid; zero for an O-grid.
     team : Team
         Who does the work.
+    is_finest : bool
+        Whether its right-hand side is zero for ever.
     """
 
-    def __init__(self, cells: tuple[int, int], cyclic: bool, sharp: bool, shift: np.ndarray, team: Team):
+    def __init__(
+        self, cells: tuple[int, int], cyclic: bool, sharp: bool, shift: np.ndarray, team: Team, *, is_finest: bool
+    ):
         self.cells, self.cyclic, self.shift, self.team = cells, cyclic, shift, team
         shape = (2, cells[0] + 1 + cyclic, cells[1] + 1)
         self.sharp = cells[0] if cyclic and sharp else 0  # row 0 is no unknown, so this is none
-        self.r, self.f, self.c, self.d = (np.zeros(shape) for _ in range(4))
+        self.r, self.d = np.zeros(shape), np.zeros(shape)
+        one_row = (2, 1, shape[2])
+        self.f, self.c = np.zeros(one_row if is_finest else shape), np.zeros(one_row)
         self.work = np.zeros((team.number, kernels.RECORD * max(shape[1:])))
-        self.row = np.zeros((team.number, shape[2]))
+        self.rows = np.zeros((team.number, 4, shape[2]))
         self._per_row = np.zeros(shape[1])
         self._folds = np.zeros(shape[1] - 1, np.int64)
 
@@ -125,21 +131,18 @@ class Level:
 
     def smooth(self) -> None:
         """Solve every line of odd number, then of even, first along j, then along i."""
-        r, f, c, work, (_, rows, columns) = self.r, self.f, self.c, self.work, self.r.shape
-        grain = 2 * kernels.LANES
-        for odd in (1, 2):
-            self._share(
-                lambda k, a, b: kernels.smooth_along_j(r, f, c, self.sharp, work[k], a, b), odd, rows - 1, grain
-            )
-            self.wrap()
-        for odd in (1, 2):
-            self._share(
-                lambda k, a, b: kernels.smooth_along_i(r, f, c, self.sharp, self.cyclic, work[k], a, b),
-                odd,
-                columns - 1,
-                grain,
-            )
-            self.wrap()
+        r, f, c, rows, work = self.r, self.f, self.c, self.rows, self.work
+
+        def along_j(k: int, a: int, b: int) -> None:
+            kernels.smooth_along_j(r, f, c, self.sharp, rows[k], work[k], a, b)
+
+        def along_i(k: int, a: int, b: int) -> None:
+            kernels.smooth_along_i(r, f, c, self.sharp, self.cyclic, work[k], a, b)
+
+        for run, lines in ((along_j, r.shape[1]), (along_i, r.shape[2])):
+            for odd in (1, 2):
+                self._share(run, odd, lines - 1, 2 * kernels.LANES)
+                self.wrap()
 
     def find_defect(self) -> None:
         """d = f - N(r)."""
@@ -150,7 +153,11 @@ class Level:
     def residual(self) -> float:
         """Root of the mean square of the way that a step of point Jacobi would move a node."""
         last = self.r.shape[1] - 1
-        self._share(lambda k, a, b: kernels.jacobi_moves(self.r, self.c, self.sharp, self._per_row, a, b), 1, last)
+
+        def run(k: int, a: int, b: int) -> None:
+            kernels.jacobi_moves(self.r, self.f, self.c, self.sharp, self.rows[k], self._per_row, a, b)
+
+        self._share(run, 1, last)
         return float(np.sqrt(self._per_row[1:last].sum() / ((last - 1) * (self.r.shape[2] - 2))))
 
     def largest_move(self, before: np.ndarray) -> float:
@@ -193,7 +200,7 @@ class Levels:
         self.sign, self.team = sign, team
         self.levels, self.tables = [], []
         while True:
-            self.levels.append(Level(cells, cyclic, sharp, shift, team))
+            self.levels.append(Level(cells, cyclic, sharp, shift, team, is_finest=not self.levels))
             coarser = tuple((n + 1) // 2 if n > least else n for n, least in zip(cells, fewest, strict=True))
             if coarser == cells:
                 break
@@ -209,6 +216,8 @@ class Levels:
         off-diagonals of every line keep their sign.
         """
         for number, level in enumerate(self.levels):
+            if level.c.shape != level.r.shape:
+                level.c = np.zeros(level.r.shape)
             level.c[:, : theta.shape[1]] = -2 * np.tanh(0.5 * theta)
             if level.cyclic:
                 kernels.wrap(level.c, np.zeros(2))
@@ -257,7 +266,8 @@ class Levels:
         level, coarser = self.levels[number], self.levels[number + 1]
 
         def run(k: int, a: int, b: int) -> None:
-            transfer.correct(coarser.r, before, level.r, *along_i.to_fine, *along_j.to_fine, step, coarser.row[k], a, b)
+            row = coarser.rows[k, 0]
+            transfer.correct(coarser.r, before, level.r, *along_i.to_fine, *along_j.to_fine, step, row, a, b)
 
         self.team.share(run, 1, level.r.shape[1] - 1, level.points)
         level.wrap()
@@ -275,9 +285,9 @@ class Levels:
 
     def _average(self, number: int, fine: np.ndarray, coarse: np.ndarray, scale: float) -> None:
         along_i, along_j = self.tables[number]
-        row = self.levels[number].row
+        rows = self.levels[number].rows
 
         def run(k: int, a: int, b: int) -> None:
-            transfer.average(fine, coarse, *along_i.hats, *along_j.hats, scale, row[k], a, b)
+            transfer.average(fine, coarse, *along_i.hats, *along_j.hats, scale, rows[k, 0], a, b)
 
         self.team.share(run, 1, coarse.shape[1] - 1, fine[0].size)
