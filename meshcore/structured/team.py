@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-_POINTS_WORTH_A_THREAD = 30_000
+_POINTS_WORTH_A_THREAD = 60_000
 
 
 class Team:

@@ -1,0 +1,341 @@
+"""Elliptic grids: work a point by size, distance to point relaxation, and control of walls round airfoils.
+
+``python benchmarks/elliptic.py [--quick] [--repeats 5] [--points 129 257 513 1025 2049] [--airfoils FOLDER]``
+
+Without a folder of ``.dat`` files the airfoils that meshcore ships are taken.
+"""
+
+from __future__ import annotations
+
+import statistics
+import time
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from _common import Target, arguments, in_own_process, print_heading, print_row, taken_alternately
+from scipy.interpolate import CubicSpline
+
+from meshcore import gallery, io
+from meshcore._numba import kernel
+from meshcore.geometry.curves import polyline
+from meshcore.sizing import geometric
+from meshcore.structured.barrier import unfolded, weak_cells
+from meshcore.structured.team import Team
+from meshcore.structured.transfinite import interpolated
+from meshcore.structured.wall_control import FEWEST_CELLS, Wall, controlled, measured
+from meshcore.structured.winslow import Frame, levels_of, orientation, winslow
+
+TOLERANCE = 1e-8
+LINEAR = Target(2.5, 1.5, at_most=True)
+CONVERGED = Target(2.5, 1.0, at_most=True)
+NEAR = Target(0.7, 0.3, at_most=True)
+RELAXATION = Target(30, 100)
+WALL_SECONDS = Target(0.5, 0.1, at_most=True)
+ASPECT = 1000.0
+SECTIONS = ("naca0012", "s1223")
+HEIGHTS = (1e-3, 1e-5)
+
+
+class Case(NamedTuple):
+    """A start for the solver."""
+
+    points: np.ndarray
+    cyclic: bool = False
+
+
+def wavy_square(n: int) -> Case:
+    """A unit square with waves on all sides."""
+    s = np.linspace(0, 1, n)
+    wave = 0.15 * np.sin(2 * np.pi * s)
+    south, north = np.column_stack([s, wave]), np.column_stack([s, 1 + 0.15 * np.sin(3 * np.pi * s)])
+    return Case(_between(south, np.column_stack([1 + wave, s]), north, np.column_stack([-wave, s]), "linear"))
+
+
+def channel(n: int) -> Case:
+    """A channel with a bump, whose cells at the wall are a thousand times as long as high."""
+    s = np.linspace(0, 2, n)
+    t = geometric(n - 1, first=s[1] / ASPECT)
+    south = np.column_stack([s, 0.1 * np.exp(-(((s - 1) / 0.2) ** 2))])
+    low = south[0, 1]
+    west = np.column_stack([0 * t, low + t * (1 - low)])
+    return Case(_between(south, west + [2, 0], np.column_stack([s, 0 * s + 1]), west, "arc length"))
+
+
+def annulus(section: np.ndarray, around: int, out: int, first: float, radius: float = 10.0) -> Case:
+    """Straight rays from a section to a circle of ``radius`` chords, both clockwise from the trailing edge."""
+    loop = around_section(section, around)
+    length = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(loop, axis=0), axis=1))])
+    angle = -2 * np.pi * (0.8 * np.linspace(0, 1, len(loop)) + 0.2 * length / length[-1])
+    circle = np.column_stack([0.5 + radius * np.cos(angle), radius * np.sin(angle)])
+    circle[-1] = circle[0]
+    t = geometric(out, first=first / radius)[None, :, None]
+    return Case((1 - t) * loop[:, None] + t * circle[:, None], True)
+
+
+def around_section(loop: np.ndarray, around: int) -> np.ndarray:
+    """A closed section's points by splines, closer together at both edges; a blunt trailing edge is closed first."""
+    behind = loop[:, 0].max() - 1e-4
+    if loop[-1, 0] > behind and loop[0, 0] > behind:
+        side = np.where(np.arange(len(loop)) <= np.argmin(loop[:, 0]), -0.5, 0.5)
+        loop = loop + (side * np.clip(loop[:, 0], 0, 1) ** 2)[:, None] * (loop[0] - loop[-1])
+        loop[0] = loop[-1] = 0.5 * (loop[0] + loop[-1])
+    else:
+        loop = np.vstack([loop, loop[:1]])
+    loop = loop[::-1]
+    length = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(loop, axis=0), axis=1))])
+    nose = length[np.argmin(loop[:, 0])]
+    u = np.linspace(0, 1, around // 2 + 1)
+    fractions = 0.4 * (1 - np.cos(np.pi * u)) + 0.2 * u
+    points = CubicSpline(length, loop)(np.concatenate([nose * fractions, nose + (length[-1] - nose) * fractions[1:]]))
+    points[0] = points[-1] = loop[0]
+    return points
+
+
+def cases(n: int) -> dict[str, Case]:
+    """The starts of the table, of n x n points."""
+    sections = {name: polyline(gallery.airfoil(name))[:-1, :2] for name in SECTIONS}
+    return {
+        "wavy square": wavy_square(n),
+        f"channel, aspect {ASPECT:.0f}": channel(n),
+        "annulus round naca0012, 1e-5": annulus(sections["naca0012"], n - 1, n - 1, 1e-5),
+        "annulus round s1223, 1e-3": annulus(sections["s1223"], n - 1, n - 1, 1e-3),
+    }
+
+
+def _between(south, east, north, west, blending) -> np.ndarray:
+    spatial = [np.column_stack([side, 0 * side[:, 0]]) for side in (south, east, north, west)]
+    return interpolated(*spatial, blending=blending)[..., :2]
+
+
+# ---- work a point
+
+
+def growth_of_work(sizes: list[int], repeats: int) -> None:
+    """The table of microseconds a point."""
+    spent: dict[str, list[float]] = {}
+    for n in sizes:
+        for name, case in cases(n).items():
+            turns = max(1, min(repeats, 8_000_000 // n**2))
+            contestants = {
+                "near": lambda c=case: winslow(c.points, cyclic=c.cyclic, threads=1),
+                "converged": lambda c=case: winslow(c.points, cyclic=c.cyclic, tolerance=TOLERANCE, threads=1),
+                "near, two": lambda c=case: winslow(c.points, cyclic=c.cyclic, threads=2),
+                "converged, two": lambda c=case: winslow(c.points, cyclic=c.cyclic, tolerance=TOLERANCE, threads=2),
+            }
+            times = taken_alternately(contestants, turns)
+            near, converged = times["near"].result, times["converged"].result
+            each = {key: 1e6 / n**2 * (t.wall_seconds if "two" in key else t.seconds) for key, t in times.items()}
+            spent.setdefault(name, []).append(each["converged"])
+            folded = weak_cells(converged.points, orientation(case.points)).sum()
+            print_row(
+                name,
+                n,
+                turns,
+                f"{len(near.history) - 2}, {len(converged.history) - 2}",
+                NEAR.verdict(each["near"]),
+                f"{each['near, two']:.2f}",
+                CONVERGED.verdict(each["converged"]),
+                f"{each['converged, two']:.2f}",
+                int(folded),
+            )
+            assert near.converged and converged.converged
+            assert np.array_equal(converged.points, times["converged, two"].result.points)
+    print_heading("Growth of the time a point from the smallest to the largest of these sizes")
+    print_row("case", "largest over smallest", head=True)
+    for name, each in spent.items():
+        print_row(name, LINEAR.verdict(max(each) / min(each)))
+
+
+# ---- point relaxation
+
+
+@kernel
+def sweeps(r, factor, number):
+    """Successive over-relaxation, point by point, of the Winslow equations on (2, ni, nj) coordinates."""
+    for _ in range(number):
+        for i in range(1, r.shape[1] - 1):
+            for j in range(1, r.shape[2] - 1):
+                xi, yi = 0.5 * (r[0, i + 1, j] - r[0, i - 1, j]), 0.5 * (r[1, i + 1, j] - r[1, i - 1, j])
+                xj, yj = 0.5 * (r[0, i, j + 1] - r[0, i, j - 1]), 0.5 * (r[1, i, j + 1] - r[1, i, j - 1])
+                a, b, g = xj * xj + yj * yj, 0.5 * (xi * xj + yi * yj), xi * xi + yi * yi
+                for x in range(2):
+                    mixed = r[x, i + 1, j + 1] - r[x, i + 1, j - 1] - r[x, i - 1, j + 1] + r[x, i - 1, j - 1]
+                    new = a * (r[x, i + 1, j] + r[x, i - 1, j]) + g * (r[x, i, j + 1] + r[x, i, j - 1]) - b * mixed
+                    r[x, i, j] += factor * (new / (2 * (a + g)) - r[x, i, j])
+
+
+def relaxed(points: np.ndarray, factor: float, tolerance: float, seconds: float) -> tuple[float, float]:
+    """Processor seconds until the residual is reached, extrapolated if it takes longer; and the residual reached."""
+    frame = Frame.of(points)
+    with Team(1) as team:
+        finest = levels_of(frame.inside(points), False, team).levels[0]
+        scale = finest.residual()
+        start, residuals, stops = time.process_time(), [1.0], [0.0]
+        while residuals[-1] > tolerance and stops[-1] < seconds:
+            sweeps(finest.r, factor, 50)
+            stops.append(time.process_time() - start)
+            residuals.append(finest.residual() / scale)
+            if not residuals[-1] < 10:
+                return np.inf, residuals[-1]
+    if residuals[-1] <= tolerance:
+        return stops[-1], residuals[-1]
+    half = len(stops) // 2
+    rate = np.log(residuals[-1] / residuals[half]) / (stops[-1] - stops[half])
+    return stops[-1] + np.log(tolerance / residuals[-1]) / min(rate, -1e-12), residuals[-1]
+
+
+def against_relaxation(n: int, seconds: float) -> None:
+    """The row of one size: the largest factor that does not diverge, among the usual ones."""
+    case = wavy_square(n)
+    winslow(case.points, tolerance=TOLERANCE, threads=1)
+    start = time.process_time()
+    winslow(case.points, tolerance=TOLERANCE, threads=1)
+    ours = time.process_time() - start
+    best = 2 / (1 + np.sin(np.pi / (n - 1)))
+    for factor in (best, 1.99, 1.95, 1.9, 1.8, 1.5, 1.0):
+        theirs, reached = relaxed(case.points, factor, TOLERANCE, seconds)
+        if np.isfinite(theirs):
+            break
+    print_row(n, f"{factor:.4f}", f"{reached:.1e}", theirs, ours, RELAXATION.verdict(theirs / ours))
+
+
+# ---- walls
+
+
+def sections(folder: str | None) -> dict[str, np.ndarray]:
+    """Closed sections by name."""
+    if folder is None:
+        return {name: polyline(gallery.airfoil(name))[:-1, :2] for name in gallery.airfoils()}
+    paths = sorted(Path(folder).glob("*.dat"))
+    return {path.stem: polyline(io.read(path))[:-1, :2] for path in paths}
+
+
+class Walled(NamedTuple):
+    """A controlled grid and how it went."""
+
+    points: np.ndarray
+    steps: int
+    converged: bool
+
+
+def with_wall(case: Case, height: float, threads: int) -> Walled:
+    """The grid with right angles and the first height at the wall."""
+    frame = Frame.of(case.points)
+    growth = np.zeros((2, *case.points.shape[:2]))
+    with Team(threads) as team:
+        levels = levels_of(frame.inside(case.points), True, team, FEWEST_CELLS)
+        went = controlled(levels, [Wall("south", height / frame.size)], growth)
+        points = frame.outside(levels.levels[0].points_without_ghosts, case.points)
+    points = unfolded(points, orientation(case.points), cyclic=True)
+    return Walled(points, len(went.history) - 2, went.converged)
+
+
+def walls(folder: str | None, repeats: int) -> None:
+    """The table of airfoils."""
+    seconds = []
+    for height in HEIGHTS:
+        for name, section in sections(folder).items():
+            case = annulus(section, 256, 96, 2e-3)
+            runs = {str(k): lambda c=case, h=height, k=k: with_wall(c, h, k) for k in (1, 2)}
+            times = taken_alternately(runs, repeats)
+            found = times["1"].result
+            sign = orientation(case.points)
+            have = measured(np.ascontiguousarray(np.moveaxis(found.points, -1, 0)), "south", sign, True)
+            counted = np.s_[3:-3]  # without the trailing edge and two nodes on either side
+            angle = np.abs(have.angle - 90)[counted].max()
+            off = 100 * np.abs(have.height / height - 1)[counted].max()
+            one, other = found.points[1:, 1:] - found.points[:-1, :-1], found.points[:-1, 1:] - found.points[1:, :-1]
+            areas = sign * (one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0])
+            seconds.append(times["1"].seconds)
+            print_row(
+                f"{name}, {height:.0e}",
+                found.steps,
+                f"{angle:.2f} {'met' if angle < 1 else 'MISSED'}",
+                f"{off:.1f} {'met' if off < 5 else 'MISSED'}",
+                int((areas <= 0).sum()),
+                int(weak_cells(found.points, sign, 0.0).sum()),
+                WALL_SECONDS.verdict(times["1"].seconds),
+                f"{times['2'].wall_seconds:.2f}",
+            )
+    print(f"\nMedian {statistics.median(seconds):.2f} s, most {max(seconds):.2f} s.")
+
+
+def stars(number: int, n: int) -> None:
+    """What the discrete equations do on random star-shaped boundaries."""
+    found = in_own_process(count_stars, number, n)
+    print_row(*found)
+
+
+def count_stars(number: int, n: int) -> tuple[Any, ...]:
+    """Stars, cells a side; how many are folded by transfinite interpolation and by the equations; not converged."""
+    rng = np.random.default_rng(1987)
+    spilt = folded = strained = 0
+    angles = np.linspace(0, 2 * np.pi, 4 * n + 1)[:-1]
+    for _ in range(number):
+        angle = angles + rng.uniform(0, 2 * np.pi)
+        bumps = sum(
+            0.5 / k * (rng.normal() * np.cos(k * angle) + rng.normal() * np.sin(k * angle)) for k in range(1, 9)
+        )
+        radius = np.exp(np.clip(bumps, -1.5, 1.5))
+        loop = np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
+        loop = np.vstack([loop, loop[:1]])
+        sides = loop[: n + 1], loop[n : 2 * n + 1], loop[2 * n : 3 * n + 1][::-1], loop[3 * n :][::-1]
+        start = _between(*sides, "linear")
+        solution = winslow(start, threads=1)
+        for which, grid in enumerate((start, solution.points)):
+            one, other = grid[1:, 1:] - grid[:-1, :-1], grid[:-1, 1:] - grid[1:, :-1]
+            fold = bool((one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0] <= 0).any())
+            spilt, folded = spilt + fold * (which == 0), folded + fold * (which == 1)
+        strained += not solution.converged
+    return number, n, spilt, folded, strained
+
+
+def main() -> None:
+    """Print the tables."""
+    options = arguments(__doc__, points=[129, 257, 513, 1025, 2049], airfoils=[""])
+    sizes = options.points or ([129, 257] if options.quick else [129, 257, 513, 1025, 2049])
+    for case in cases(33).values():  # compiles
+        winslow(case.points, cyclic=case.cyclic, tolerance=TOLERANCE)
+    print_heading(
+        "Winslow equations from the transfinite grid",
+        "Microseconds a point: of the processor with one thread, of the wall with two. Near: within a thousandth of "
+        "the local spacing, the default; converged: to 1e-8 of the start's residual. Folds: cells with a corner that "
+        "is not convex, before the barrier.",
+    )
+    print_row(
+        "case",
+        "points a side",
+        "turns",
+        "cycles",
+        "near",
+        "two threads",
+        "converged",
+        "two threads",
+        "folds",
+        head=True,
+    )
+    growth_of_work(sizes, options.repeats)
+    print_heading(
+        "Against point relaxation with the largest stable factor",
+        "To 1e-8, processor seconds; long runs are extrapolated.",
+    )
+    print_row("points a side", "factor", "residual reached", "relaxation", "meshcore", "times faster", head=True)
+    relaxed(wavy_square(33).points, 1.0, 0.1, 1.0)
+    against_relaxation(257 if options.quick else 1025, 5.0 if options.quick else 60.0)
+    print_heading(
+        "Angle and first height round airfoils",
+        "257 x 97 points, ten chords; largest errors but for the trailing edge and two nodes on either side of it.",
+    )
+    print_row("airfoil", "steps", "angle", "height, %", "folded", "not convex", "seconds", "two threads", head=True)
+    walls((options.airfoils or [None])[0] or None, options.repeats)
+    print_heading(
+        "Random stars", "Grids with a cell of no area, of transfinite interpolation and of the Laplace equations."
+    )
+    print_row("stars", "cells a side", "transfinite", "elliptic", "not converged", head=True)
+    for n in (16, 32):
+        stars(200 if options.quick else 10_000, n)
+
+
+if __name__ == "__main__":
+    main()
