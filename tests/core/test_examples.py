@@ -19,6 +19,8 @@ NUMBERS = {
     "figure_04_mapping_of_boundaries": 25 * 13,
     "figure_05_transfinite_interpolation": 72 * 32,
     "figure_06_overspill": None,
+    "figure_07_elliptic_boundaries": 160 * 80,
+    "figure_08_control_functions": 60 * 30,
     "figure_11_o_grid": None,
     "figure_23_empty_circumcircles": None,
     "figure_24_sliver": 1,
