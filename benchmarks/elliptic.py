@@ -24,7 +24,7 @@ from meshcore.structured.barrier import unfolded, weak_cells
 from meshcore.structured.team import Team
 from meshcore.structured.transfinite import interpolated
 from meshcore.structured.wall_control import FEWEST_CELLS, Wall, controlled, measured
-from meshcore.structured.winslow import Frame, levels_of, orientation, winslow
+from meshcore.structured.winslow import CUT, Frame, levels_of, orientation, winslow
 
 TOLERANCE = 1e-8
 LINEAR = Target(2.5, 1.5, at_most=True)
@@ -226,7 +226,7 @@ def with_wall(case: Case, height: float, threads: int) -> Walled:
     with Team(threads) as team:
         levels = levels_of(frame.inside(case.points), True, team, FEWEST_CELLS)
         went = controlled(levels, [Wall("south", height / frame.size)], growth)
-        points = frame.outside(levels.levels[0].points_without_ghosts, case.points)
+        points = frame.outside(levels.levels[0].points_without_ghosts, case.points, CUT)
     points = unfolded(points, orientation(case.points), cyclic=True)
     return Walled(points, len(went.history) - 2, went.converged)
 

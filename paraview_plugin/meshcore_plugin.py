@@ -881,6 +881,10 @@ def vtk_type_of(content):
       <DoubleRangeDomain name="range" min="10" max="170"/>
       <Documentation>Angle between walls and the lines that leave them, in degrees.</Documentation>
     </DoubleVectorProperty>
+    <IntVectorProperty name="Sliding" label="Sliding" command="SetSliding" number_of_elements="1" default_values="0" panel_visibility="default">
+      <BooleanDomain name="bool"/>
+      <Documentation>Whether points slide along walls to make the angle, instead of lines that lean.</Documentation>
+    </IntVectorProperty>
     <DoubleVectorProperty name="Residual" label="Residual" command="SetResidual" number_of_elements="1" default_values="0" panel_visibility="advanced">
       <DoubleRangeDomain name="range" min="0" max="1"/>
       <Documentation>Residual to reach, of the start's; by default near to the converged grid; 0 leaves it
@@ -914,6 +918,7 @@ def vtk_type_of(content):
     <PropertyGroup label="Walls">
       <Property name="FirstHeight"/>
       <Property name="WallAngle"/>
+      <Property name="Sliding"/>
     </PropertyGroup>
     <PropertyGroup label="Advanced">
       <Property name="Residual"/>
@@ -958,6 +963,9 @@ class meshcoreEllipticGrid(Operation):
 
     def SetWallAngle(self, value):
         self.set("wall_angle", value)
+
+    def SetSliding(self, value):
+        self.set("sliding", bool(value))
 
     def SetResidual(self, value):
         self.set("residual", value or None)

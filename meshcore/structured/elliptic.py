@@ -15,8 +15,8 @@ from ..threads import checked_threads
 from .control_functions import Attractor, ControlFunction
 from .elliptic_problem import Asked, Control, solved
 from .transfinite import transfinite
-from .wall_control import SIDES, Wall
-from .winslow import MOST_CYCLES
+from .wall_control import Wall
+from .winslow import MOST_CYCLES, SIDES
 
 _SIDE = "line cells in one chain, or points in order"
 Walls = Literal["none", "south", "east", "north", "west", "south and north", "west and east", "all"]
@@ -49,6 +49,9 @@ def elliptic(
     wall_angle: Annotated[
         float, Param("Angle between walls and the lines that leave them", min=10, max=170, unit="degree", group="Walls")
     ] = 90.0,
+    sliding: Annotated[
+        bool, Param("Whether points slide along walls to make the angle, instead of lines that lean", group="Walls")
+    ] = False,
     residual: Annotated[
         float | None,
         Param(
@@ -96,6 +99,8 @@ def elliptic(
         Length of the first edge at walls.
     wall_angle : float
         Degrees from the wall's direction, in which i or j grows, to the lines that leave it.
+    sliding : bool
+        Whether the points of walls slide along them to make the angle (Neumann's condition), between their ends.
     residual : float, optional
         Residual to reach in units of the start's. Left out, cycles go on until each node is within about a thousandth
         of the local spacing from its converged place. Control at walls stops by angle and height instead.
@@ -164,7 +169,7 @@ def elliptic(
         control=control,
         control_functions=control_functions,
         attractors=attractors,
-        walls=_walls(walls, start, first_height, wall_angle),
+        walls=_walls(walls, start, first_height, wall_angle, sliding),
         residual=residual,
         most_cycles=max_cycles,
         threads=checked_threads(threads),
@@ -234,11 +239,12 @@ def _transfinite_start(*sides: Curve | None, **given) -> StructuredGrid:
         return failure.partial
 
 
-def _walls(chosen: Walls, grid: StructuredGrid, first_height: Length | None, angle: float) -> list[Wall]:
+def _walls(chosen: Walls, grid: StructuredGrid, first_height: Length | None, angle: float, sliding: bool) -> list[Wall]:
     """What is asked at the sides, which may stand elsewhere in a grid that had to be turned."""
     if chosen == "none":
-        if first_height is not None:
-            raise InvalidInput("is given, but no walls; name the sides that are walls", parameter="first_height")
+        for name, given in (("first_height", first_height is not None), ("sliding", sliding)):
+            if given:
+                raise InvalidInput("is given, but no walls; name the sides that are walls", parameter=name)
         return []
     names = SIDES if chosen == "all" else chosen.split(" and ")
     faces = {"jmin": "south", "imax": "east", "jmax": "north", "imin": "west"}
@@ -246,4 +252,4 @@ def _walls(chosen: Walls, grid: StructuredGrid, first_height: Length | None, ang
     height = None if first_height is None else absolute(first_height, grid.diagonal)
     turned = places.get("west", "west") != "west"
     angles = {side: 180 - angle if turned and side in ("south", "north") else angle for side in SIDES}
-    return [Wall(places[name], height, angles[places[name]]) for name in names]
+    return [Wall(places[name], height, angles[places[name]], sliding) for name in names]

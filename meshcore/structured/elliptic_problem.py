@@ -19,8 +19,8 @@ from .barrier import unfolded, weak_cells
 from .control_functions import Attractor, ControlFunction, from_attractors, from_boundary, from_user
 from .folds import refuse_folds
 from .team import Team
-from .wall_control import FEWEST_CELLS, SIDES, Wall, controlled
-from .winslow import MOST_CYCLES, Frame, levels_of, orientation, winslow
+from .wall_control import FEWEST_CELLS, Wall, controlled
+from .winslow import CUT, MOST_CYCLES, SIDES, Frame, levels_of, orientation, winslow
 
 _CURE = (
     "move the grid's corners to where the boundary turns by less than 180 degrees, ask for less control, "
@@ -117,13 +117,14 @@ def solved(start: StructuredGrid, asked: Asked, progress: Progress = silent) -> 
     if start.periodic[0] and start.periodic[1]:
         raise InvalidInput("is periodic along i and j, which no planar grid can be", parameter="grid")
     transposed = start.periodic[1]
+    sliding = [wall.side for wall in asked.walls if wall.slides]
     if transposed:
         flat, asked = np.ascontiguousarray(flat.swapaxes(0, 1)), asked.transposed()
     found = _planar(flat, start.periodic[0] or transposed, asked, progress)
     points = found.points.swapaxes(0, 1) if transposed else found.points
     spatial = plane.to_space(points.reshape(-1, 2)).reshape(*points.shape[:2], 3)
-    for boundary in _kept(start):
-        spatial[boundary] = start.points[:, :, 0][boundary]
+    for side in (side for side in SIDES if side not in (*_cuts(start), *sliding)):
+        spatial[SIDES[side]] = start.points[:, :, 0][SIDES[side]]
     grid = start.with_points(spatial)
     refuse_folds(grid, _CURE)
     validate(grid)
@@ -139,11 +140,9 @@ def solved(start: StructuredGrid, asked: Asked, progress: Progress = silent) -> 
     return Result(grid, report)
 
 
-def _kept(grid: StructuredGrid) -> list[tuple]:
-    """Subscripts of the sides that stay: all but the cut of a periodic grid."""
-    ends = (0, -1)
-    along_j = [] if grid.periodic[0] else [(end,) for end in ends]
-    return along_j + ([] if grid.periodic[1] else [(slice(None), end) for end in ends])
+def _cuts(grid: StructuredGrid) -> tuple[str, ...]:
+    """Sides that are no boundary, being where a periodic grid is cut."""
+    return CUT if grid.periodic[0] else ("south", "north") if grid.periodic[1] else ()
 
 
 def _planar(points: np.ndarray, cyclic: bool, asked: Asked, progress: Progress) -> Found:
@@ -200,7 +199,8 @@ def _with_walls(points: np.ndarray, growth: np.ndarray | None, cyclic: bool, ask
     with Team(asked.threads or available_threads()) as team:
         levels = levels_of(frame.inside(points), cyclic, team, FEWEST_CELLS)
         went = controlled(levels, walls, growth, progress=progress)
-        grid = frame.outside(levels.levels[0].points_without_ghosts, points)
+        free = [*(CUT if cyclic else ()), *(wall.side for wall in walls if wall.slides)]
+        grid = frame.outside(levels.levels[0].points_without_ghosts, points, free)
     quality = {"error of wall angles (degree)": went.angle, "error of first heights (%)": 100 * went.height}
     warnings = []
     if not went.converged:

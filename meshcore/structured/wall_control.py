@@ -18,10 +18,11 @@ import numpy as np
 
 from ..errors import InvalidInput
 from ..progress import Progress, advance, silent
-from .winslow import full_multigrid, safe_cycle
+from .sliding import Slide
+from .winslow import SIDES, full_multigrid, safe_cycle
 from .winslow_levels import Levels
 
-SIDES = ("south", "east", "north", "west")
+OPPOSITE = {"south": "north", "north": "south", "west": "east", "east": "west"}
 ANGLE_WITHIN, HEIGHT_WITHIN, RESIDUAL_WITHIN = 1.0, 0.05, 1e-3
 FEWEST_CELLS = (16, 24)
 """Cells that a direction keeps on all levels: coarser ones cannot hold a control function that falls off in a few."""
@@ -34,6 +35,7 @@ _LARGEST_LEAN_STEP, _LARGEST_HEIGHT_STEP, _LARGEST_CONTROL = 0.4, 0.8, 1.5
 # Lines must turn by the corner's angle within so many nodes beside a sharp corner or an end of a wall, and within so
 # many first heights: neither angle nor height are judged there.
 _NEAR_CORNER, _CORNER_REACH = 2, 2.0
+_PATIENCE = 25  # steps without a gain of two per cent
 _SHARP = 60.0  # degrees of turning
 
 
@@ -49,6 +51,8 @@ class Wall:
         Length of the first edge of the lines that leave the wall; left out, it is what it becomes.
     angle : float or (n,) float, optional
         Degrees from the wall's direction, in which i or j grows, to the line that leaves it; None for what it becomes.
+    slides : bool
+        Whether the angle is reached by points that slide along the wall, between its ends, instead of lines that lean.
 
     Raises
     ------
@@ -58,12 +62,13 @@ class Wall:
     Examples
     --------
     >>> Wall("south", first_height=1e-3)
-    Wall(side='south', first_height=0.001, angle=90.0)
+    Wall(side='south', first_height=0.001, angle=90.0, slides=False)
     """
 
     side: str
     first_height: float | np.ndarray | None = None
     angle: float | np.ndarray | None = 90.0
+    slides: bool = False
 
     def __post_init__(self) -> None:
         if self.side not in SIDES:
@@ -160,6 +165,7 @@ class _Control:
     fall: float
     growth: np.ndarray
     lean: np.ndarray
+    slide: Slide | None = None
 
     def step(self, found: Measured, *, first: bool) -> None:
         """Move the amplitudes against what is wrong."""
@@ -169,7 +175,7 @@ class _Control:
                 _FIRST_SHARE * wrong if first else _SHARE * np.clip(wrong, -_LARGEST_HEIGHT_STEP, _LARGEST_HEIGHT_STEP)
             )
             self.growth = _limited(self.growth + self.fall * step)
-        if self.wall.angle is not None:
+        if self.wall.angle is not None and self.slide is None:
             wrong = np.tan(np.clip(np.radians(self.wall.angle - found.angle), -1.2, 1.2))
             wrong = np.clip(wrong, -_LARGEST_LEAN_STEP, _LARGEST_LEAN_STEP)
             self.lean = _limited(self.lean + _SHARE * _LEAN_REACH * wrong)
@@ -243,20 +249,27 @@ def controlled(
     for wall in walls:
         closed = finest.cyclic and wall.side in ("south", "north")
         n, out = (ni, nj) if wall.side in ("south", "north") else (nj, ni)
-        opposite = SIDES[(SIDES.index(wall.side) + 2) % 4]
+        opposite = OPPOSITE[wall.side]
         reach = (out - 1) / (2 if opposite in [other.side for other in walls] else 1)
-        controls.append(_Control(wall, closed, _GROWTH_REACH / reach, np.zeros(n), np.zeros(n)))
-    history = [1.0, finest.residual() / scale]
+        slide = Slide(from_wall(finest.points_without_ghosts, wall.side)[..., 0]) if wall.slides else None
+        controls.append(_Control(wall, closed, _GROWTH_REACH / reach, np.zeros(n), np.zeros(n), slide))
+    history, worst = [1.0, finest.residual() / scale], []
     for step in range(most_steps):
         r = finest.points_without_ghosts
         found = [measured(r, control.wall.side, levels.sign, finest.cyclic) for control in controls]
         angle, height = np.max([c.excess(f) for c, f in zip(controls, found, strict=True)], axis=0)
         if angle < angle_within and height < height_within and history[-1] < RESIDUAL_WITHIN:
             return Controlled(tuple(history), angle, height, True)
+        worst.append(angle / angle_within + height / height_within)
+        if len(worst) > _PATIENCE and min(worst[-_PATIENCE:]) > 0.98 * min(worst[:-_PATIENCE]):
+            break
         theta = growth.copy()
         for control, have in zip(controls, found, strict=True):
             control.step(have, first=step == 0)
             control.add(theta, r, np.maximum(have.spacing, have.height))
+            if control.slide is not None:
+                control.slide.step(from_wall(r, control.wall.side), have, control.wall.angle, control.closed)
+        finest.wrap()
         levels.set_growth(_limited(theta))
         safe_cycle(levels)
         history.append(finest.residual() / scale)

@@ -6,6 +6,7 @@ go on until the grid is near enough to the converged one, sped up by Anderson mi
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,8 +20,12 @@ from .winslow_levels import FEWEST_CELLS, Levels
 NEAR = 1e-3
 """By default a node may be so far from its converged place, in units of the shortest edge that ends there."""
 MOST_CYCLES = 60
+SIDES = {"south": np.s_[:, 0], "east": np.s_[-1], "north": np.s_[:, -1], "west": np.s_[0]}
+"""The four sides of a grid, in the order in which they follow each other."""
+CUT = ("west", "east")
+"""Sides that are no boundary where a grid is cyclic."""
 _FEWEST_CELLS_TO_START = 32
-_CYCLES_AT_THE_START = 6
+_CYCLES_AT_THE_START, _ENOUGH_AT_THE_START = 6, 3e-3  # or until the residual has fallen so far
 # A cycle after which the residual is so many times as large is taken back.
 _GROWTH = 1.5
 _WINDOW = 4  # differences that Anderson mixing remembers
@@ -137,7 +142,8 @@ def winslow(
             return Solution(points.copy(), (1.0,), 0.0, True)
         full_multigrid(levels)
         history, error, converged = _converge(levels, scale, tolerance, most_cycles, progress)
-        return Solution(frame.outside(finest.points_without_ghosts, points), history, error, converged)
+        found = frame.outside(finest.points_without_ghosts, points, CUT if cyclic else ())
+        return Solution(found, history, error, converged)
 
 
 @dataclass(frozen=True)
@@ -165,15 +171,12 @@ class Frame:
         """(2, ni, nj) from (ni, nj, 2)."""
         return np.ascontiguousarray(np.moveaxis((points - self.origin) / self.size, -1, 0))
 
-    def outside(self, inside: np.ndarray, boundary: np.ndarray) -> np.ndarray:
-        """(ni, nj, 2) from (2, ni, nj), but for the outermost points, which are those of ``boundary`` to the last bit.
-
-        Where a cyclic grid is cut its points are free.
-        """
+    def outside(self, inside: np.ndarray, boundary: np.ndarray, free: Collection[str] = ()) -> np.ndarray:
+        """(ni, nj, 2) from (2, ni, nj); but for the ``free`` sides, the outermost points are those of ``boundary``."""
         points = np.moveaxis(inside, 0, -1) * self.size + self.origin
-        points[:, 0], points[:, -1] = boundary[:, 0], boundary[:, -1]
-        if not np.array_equal(boundary[0], boundary[-1]):
-            points[0], points[-1] = boundary[0], boundary[-1]
+        for side, line in SIDES.items():
+            if side not in free:
+                points[line] = boundary[line]
         return points
 
 
@@ -222,23 +225,27 @@ def full_multigrid(levels: Levels, cycles: int = 1) -> None:
         if number < start:
             level.r[:] = samples[number]
             levels.correct(number, samples[number + 1])
+        first = level.residual() if number == start else 0.0
         for _ in range(cycles if number < start else _CYCLES_AT_THE_START):
-            safe_cycle(levels, number)
+            if safe_cycle(levels, number) < _ENOUGH_AT_THE_START * first:
+                break
 
 
-def safe_cycle(levels: Levels, number: int = 0) -> None:
-    """A cycle from level ``number``; where it would make matters worse, with shorter corrections or none."""
+def safe_cycle(levels: Levels, number: int = 0) -> float:
+    """A cycle from level ``number``; where it would make matters worse, with shorter corrections or none: residual."""
     level = levels.levels[number]
     before, residual = level.r.copy(), level.residual()
     damping = 1.0
     for _ in range(4):
         levels.cycle(number, damping)
-        if level.residual() <= _GROWTH * residual:  # false for NaN
-            return
+        reached = level.residual()
+        if reached <= _GROWTH * residual:  # false for NaN
+            return reached
         level.r[:] = before
         damping *= 0.4
     for _ in range(5):
         level.smooth()
+    return level.residual()
 
 
 def _converge(
