@@ -268,9 +268,9 @@ def stars(number: int, n: int) -> None:
 
 
 def count_stars(number: int, n: int) -> tuple[Any, ...]:
-    """Stars, cells a side; how many are folded by transfinite interpolation and by the equations; not converged."""
+    """Stars, cells a side; how many are folded by each means; how many do not converge."""
     rng = np.random.default_rng(1987)
-    spilt = folded = strained = 0
+    spilt = folded = left = strained = 0
     angles = np.linspace(0, 2 * np.pi, 4 * n + 1)[:-1]
     for _ in range(number):
         angle = angles + rng.uniform(0, 2 * np.pi)
@@ -283,12 +283,17 @@ def count_stars(number: int, n: int) -> tuple[Any, ...]:
         sides = loop[: n + 1], loop[n : 2 * n + 1], loop[2 * n : 3 * n + 1][::-1], loop[3 * n :][::-1]
         start = _between(*sides, "linear")
         solution = winslow(start, threads=1)
-        for which, grid in enumerate((start, solution.points)):
-            one, other = grid[1:, 1:] - grid[:-1, :-1], grid[:-1, 1:] - grid[1:, :-1]
-            fold = bool((one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0] <= 0).any())
-            spilt, folded = spilt + fold * (which == 0), folded + fold * (which == 1)
+        spilt += has_folds(start)
+        folded += has_folds(solution.points)
+        left += has_folds(unfolded(solution.points, 1.0))
         strained += not solution.converged
-    return number, n, spilt, folded, strained
+    return number, n, spilt, folded, left, strained
+
+
+def has_folds(grid: np.ndarray) -> bool:
+    """Whether a cell has no area."""
+    one, other = grid[1:, 1:] - grid[:-1, :-1], grid[:-1, 1:] - grid[1:, :-1]
+    return bool((one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0] <= 0).any())
 
 
 def main() -> None:
@@ -332,7 +337,7 @@ def main() -> None:
     print_heading(
         "Random stars", "Grids with a cell of no area, of transfinite interpolation and of the Laplace equations."
     )
-    print_row("stars", "cells a side", "transfinite", "elliptic", "not converged", head=True)
+    print_row("stars", "cells a side", "transfinite", "elliptic", "with the barrier", "not converged", head=True)
     for n in (16, 32):
         stars(200 if options.quick else 10_000, n)
 

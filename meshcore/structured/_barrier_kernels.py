@@ -58,6 +58,13 @@ def inner(a, b):
 
 
 @kernel
+def combine(target, keep, share, other):
+    """target = keep target + share other, without an array between."""
+    for k in range(target.size):
+        target[k] = keep * target[k] + share * other[k]
+
+
+@kernel
 def slope_inside(r, along_i, along_j, sign, delta, scale, gradient, slope):
     """`functional`, and its gradient by the points inside in units of ``scale``."""
     value, least = functional(r, along_i, along_j, sign, delta, gradient)
@@ -88,24 +95,24 @@ def minimise(r, along_i, along_j, sign, delta, scale, gradient, vectors, steps, 
     J. Nocedal, S. J. Wright, "Numerical Optimization" (2006), algorithms 7.4 and 7.5. ``vectors`` is room for slope,
     new slope and way, ``steps`` and ``changes`` for what is remembered, ``shares`` for their coefficients.
     """
-    slope, new_slope, way = vectors
+    slope, new_slope, way = vectors[0], vectors[1], vectors[2]
     window = len(steps)
     value, least = slope_inside(r, along_i, along_j, sign, delta, scale, gradient, slope)
     known = 0
     for _ in range(most):
-        way[:] = slope
+        combine(way, 0.0, 1.0, slope)
         for k in range(known - 1, max(known - window, 0) - 1, -1):
             s, y = steps[k % window], changes[k % window]
             shares[k % window] = inner(s, way) / inner(s, y)
-            way -= shares[k % window] * y
+            combine(way, 1.0, -shares[k % window], y)
         if known:
             s, y = steps[(known - 1) % window], changes[(known - 1) % window]
-            way *= inner(s, y) / inner(y, y)
+            combine(way, inner(s, y) / inner(y, y), 0.0, way)
         else:
-            way *= 0.1 / (math.sqrt(inner(slope, slope)) + 1e-300)
+            combine(way, 0.1 / (math.sqrt(inner(slope, slope)) + 1e-300), 0.0, way)
         for k in range(max(known - window, 0), known):
             s, y = steps[k % window], changes[k % window]
-            way += (shares[k % window] - inner(y, way) / inner(s, y)) * s
+            combine(way, 1.0, shares[k % window] - inner(y, way) / inner(s, y), s)
         descent = -inner(way, slope)
         if not descent < 0:
             return least
@@ -121,9 +128,10 @@ def minimise(r, along_i, along_j, sign, delta, scale, gradient, vectors, steps, 
             move_inside(r, way, moved, scale)
             return slope_inside(r, along_i, along_j, sign, delta, scale, gradient, slope)[1]
         s, y = steps[known % window], changes[known % window]
-        s[:] = -length * way
-        y[:] = new_slope - slope
-        slope[:] = new_slope
+        combine(s, 0.0, -length, way)
+        combine(y, 0.0, 1.0, new_slope)
+        combine(y, 1.0, -1.0, slope)
+        combine(slope, 0.0, 1.0, new_slope)
         if inner(s, y) > 1e-12 * inner(y, y):
             known += 1
         if value - new_value <= 1e-9 * value:

@@ -127,8 +127,8 @@ def _without_folds(points: np.ndarray, sign: float) -> np.ndarray:
     along_i = np.linalg.norm(np.diff(r, axis=1), axis=0).mean(axis=1)
     along_j = np.linalg.norm(np.diff(r, axis=2), axis=0).mean(axis=0)
     scale = np.minimum(np.minimum(along_i[1:], along_i[:-1])[:, None], np.minimum(along_j[1:], along_j[:-1])[None, :])
-    room = [np.empty((n, 2 * scale.size)) for n in (3, _WINDOW, _WINDOW)]
-    room = [np.empty_like(r), *room, np.empty(_WINDOW)]
+    room = [np.zeros((n, 2 * scale.size)) for n in (3, _WINDOW, _WINDOW)]
+    room = [np.zeros_like(r), *room, np.zeros(_WINDOW)]
     least = kernels.functional(r, along_i, along_j, sign, 1.0, room[0])[1]
     delta = max(0.5, -least)  # a sound corner spans about 1 in these units
     for _ in range(_HALVINGS):
