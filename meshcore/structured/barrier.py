@@ -73,7 +73,7 @@ def unfolded(points: np.ndarray, sign: float, *, cyclic: bool = False) -> np.nda
     sign : float
         1 if i, j are right-handed, else -1.
     cyclic : bool
-        Whether the last row along i is the first.
+        Whether the last row along i is the first, possibly moved along.
 
     Returns
     -------
@@ -93,6 +93,8 @@ def unfolded(points: np.ndarray, sign: float, *, cyclic: bool = False) -> np.nda
     turn = _quiet_row(weak) if cyclic else 0
     rows = np.concatenate([np.roll(np.arange(len(points) - 1), -turn), [turn]]) if turn else np.arange(len(points))
     turned = points[rows]
+    way = points[-1] - points[0] if cyclic else np.zeros_like(points[0])
+    turned[len(points) - 1 - turn :] += way if turn else 0.0
     for margin in _MARGINS:
         weak = _curable_cells(turned, sign, cyclic)
         if not weak.any():
@@ -104,9 +106,10 @@ def unfolded(points: np.ndarray, sign: float, *, cyclic: bool = False) -> np.nda
             turned[window] = _without_folds(turned[window], sign)
     if not turn:
         return turned
+    turned[len(points) - 1 - turn :] -= way
     result = points.copy()
     result[rows] = turned
-    result[-1] = result[0]
+    result[-1] = result[0] + way
     return result
 
 

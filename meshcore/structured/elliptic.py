@@ -52,6 +52,9 @@ def elliptic(
     sliding: Annotated[
         bool, Param("Whether points slide along walls to make the angle, instead of lines that lean", group="Walls")
     ] = False,
+    periodic: Annotated[
+        bool, Param("Whether east is west moved along, and the grid runs on through both, as between blades")
+    ] = False,
     residual: Annotated[
         float | None,
         Param(
@@ -101,6 +104,9 @@ def elliptic(
         Degrees from the wall's direction, in which i or j grows, to the lines that leave it.
     sliding : bool
         Whether the points of walls slide along them to make the angle (Neumann's condition), between their ends.
+    periodic : bool
+        Whether east is west moved along, as between the blades of a row: the grid runs on through both, whose points
+        are free and stay alike.
     residual : float, optional
         Residual to reach in units of the start's. Left out, cycles go on until each node is within about a thousandth
         of the local spacing from its converged place. Control at walls stops by angle and height instead.
@@ -170,6 +176,7 @@ def elliptic(
         control_functions=control_functions,
         attractors=attractors,
         walls=_walls(walls, start, first_height, wall_angle, sliding),
+        periodic=periodic,
         residual=residual,
         most_cycles=max_cycles,
         threads=checked_threads(threads),
@@ -225,7 +232,15 @@ def elliptically_smoothed(
     """
     if not grid.is_surface:
         raise InvalidInput(f"needs one layer of points, got {grid.shape[2]}", parameter="grid")
-    asked = Asked(control, control_functions, attractors, walls, residual, max_cycles, checked_threads(threads))
+    asked = Asked(
+        control=control,
+        control_functions=control_functions,
+        attractors=attractors,
+        walls=walls,
+        residual=residual,
+        most_cycles=max_cycles,
+        threads=checked_threads(threads),
+    )
     return solved(grid, asked, progress)
 
 

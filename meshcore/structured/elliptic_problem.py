@@ -27,6 +27,7 @@ _CURE = (
     "or give more cells"
 )
 _HALVINGS = 3  # of control functions that fold the grid
+_ALIKE = 1e-6  # of the extent: how far periodic sides may differ
 Control = Literal["none", "boundary spacing"]
 
 
@@ -44,6 +45,8 @@ class Asked:
         Lines and points that draw others near.
     walls : sequence of Wall
         What is asked at sides.
+    periodic : bool
+        Whether the sides along j are one line, moved along, through which the grid runs on.
     residual : float or None
         Residual to reach.
     most_cycles : int
@@ -56,6 +59,7 @@ class Asked:
     control_functions: Sequence[ControlFunction] | None = None
     attractors: Sequence[Attractor] = ()
     walls: Sequence[Wall] = ()
+    periodic: bool = False
     residual: float | None = None
     most_cycles: int = MOST_CYCLES
     threads: int | None = None
@@ -120,10 +124,12 @@ def solved(start: StructuredGrid, asked: Asked, progress: Progress = silent) -> 
     sliding = [wall.side for wall in asked.walls if wall.slides]
     if transposed:
         flat, asked = np.ascontiguousarray(flat.swapaxes(0, 1)), asked.transposed()
-    found = _planar(flat, start.periodic[0] or transposed, asked, progress)
+    if asked.periodic:
+        _check_periodic(flat)
+    found = _planar(flat, start.periodic[0] or transposed or asked.periodic, asked, progress)
     points = found.points.swapaxes(0, 1) if transposed else found.points
     spatial = plane.to_space(points.reshape(-1, 2)).reshape(*points.shape[:2], 3)
-    for side in (side for side in SIDES if side not in (*_cuts(start), *sliding)):
+    for side in (side for side in SIDES if side not in (*_cuts(start, asked), *sliding)):
         spatial[SIDES[side]] = start.points[:, :, 0][SIDES[side]]
     grid = start.with_points(spatial)
     refuse_folds(grid, _CURE)
@@ -140,9 +146,20 @@ def solved(start: StructuredGrid, asked: Asked, progress: Progress = silent) -> 
     return Result(grid, report)
 
 
-def _cuts(grid: StructuredGrid) -> tuple[str, ...]:
+def _cuts(grid: StructuredGrid, asked: Asked) -> tuple[str, ...]:
     """Sides that are no boundary, being where a periodic grid is cut."""
-    return CUT if grid.periodic[0] else ("south", "north") if grid.periodic[1] else ()
+    return CUT if grid.periodic[0] or asked.periodic else ("south", "north") if grid.periodic[1] else ()
+
+
+def _check_periodic(points: np.ndarray) -> None:
+    """Refuse sides along j of which one is not the other, moved along."""
+    way = points[-1] - points[0]
+    off = float(np.linalg.norm(way - way[0], axis=1).max())
+    if off > _ALIKE * float(np.ptp(points, axis=(0, 1)).max()):
+        raise InvalidInput(
+            f"needs east to be west moved along, but their points differ from that by up to {off:.4g}",
+            parameter="periodic",
+        )
 
 
 def _planar(points: np.ndarray, cyclic: bool, asked: Asked, progress: Progress) -> Found:

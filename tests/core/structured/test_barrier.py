@@ -59,6 +59,17 @@ def test_the_cut_of_a_cyclic_grid_is_unfolded_too():
     assert (cured[:, [0, -1]] == grid[:, [0, -1]]).all()
 
 
+def test_a_fold_at_the_cut_of_a_row_that_repeats_is_unfolded():
+    grid = square(12)
+    grid[0, 4, 0] = grid[-1, 4, 0] - 1
+    grid[0, 4, 0] += 0.15
+    grid[-1, 4, 0] = grid[0, 4, 0] + 1
+    assert weak_cells(grid, 1.0).any()
+    cured = unfolded(grid, 1.0, cyclic=True)
+    assert not weak_cells(cured, 1.0).any()
+    assert np.abs(cured[-1] - cured[0] - [1, 0]).max() < 1e-15 and np.abs(cured - grid).max() < 0.2
+
+
 def test_stretching_is_kept():
     """Cells a thousand times as long as high stay so around the fold."""
     x, y = np.meshgrid(np.linspace(0, 1, 20), np.geomspace(1e-4, 1, 40) - 1e-4, indexing="ij")

@@ -222,3 +222,36 @@ def test_bad_geometry_is_refused():
 def test_can_be_cancelled():
     with pytest.raises(Cancelled):
         mc.elliptic(*WAVY, residual=1e-10, progress=lambda fraction, message: "residual" not in message)
+
+
+def blade_row(ni, nj, pitch=1.0):
+    """Sides of a passage that repeats along x: a wavy floor, a flat roof, and slanted cuts."""
+    s, t = np.linspace(0, 1, ni), np.linspace(0, 1, nj)
+    south = np.column_stack([pitch * s, 0.15 * np.sin(2 * np.pi * s)])
+    north = np.column_stack([pitch * s + 0.5, 0 * s + 1])
+    west = np.column_stack([0.5 * t**2, t])
+    return south, west + [pitch, 0], north, west
+
+
+def test_a_periodic_passage_runs_on_through_its_cut():
+    grid, report = mc.elliptic(*blade_row(32, 24), periodic=True, control="none", residual=1e-11)
+    west, east = planar(grid)[0], planar(grid)[-1]
+    assert report.converged and np.abs(east - west - [1, 0]).max() < 1e-14
+    assert np.abs(west - blade_row(32, 24)[3])[1:-1].max() > 0.01
+    # The same passage cut elsewhere has the same grid.
+    start, _ = mc.transfinite(*blade_row(32, 24))
+    moved = np.concatenate([planar(start)[10:-1], planar(start)[:11] + [1, 0]])
+    other = winslow(moved, cyclic=True, tolerance=1e-11).points
+    assert distance(other[:21], planar(grid)[10:31]) < 1e-8
+
+
+def test_periodic_walls_are_upright_everywhere():
+    grid, report = mc.elliptic(*blade_row(48, 40), periodic=True, control="none", walls="south", first_height=0.005)
+    assert report.converged
+    edge = planar(grid)[:-1, 1] - planar(grid)[:-1, 0]
+    assert np.abs(np.linalg.norm(edge, axis=1) / 0.005 - 1).max() < 0.05
+
+
+def test_sides_that_do_not_repeat_are_refused():
+    with pytest.raises(InvalidInput, match="east to be west moved along"):
+        mc.elliptic(*WAVY, periodic=True)
