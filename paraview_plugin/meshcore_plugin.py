@@ -865,6 +865,11 @@ def vtk_type_of(content):
       <DoubleRangeDomain name="range" min="0"/>
       <Documentation>Width of the cells at the west side; 0 leaves it out.</Documentation>
     </DoubleVectorProperty>
+    <IntVectorProperty name="Equation" label="Equation" command="SetEquation" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="Poisson"/><Entry value="1" text="biharmonic"/></EnumerationDomain>
+      <Documentation>Poisson with control functions, or biharmonic: slopes at walls at once, folds more
+      easily.</Documentation>
+    </IntVectorProperty>
     <IntVectorProperty name="Control" label="Control" command="SetControl" number_of_elements="1" default_values="1" panel_visibility="default">
       <EnumerationDomain name="enum"><Entry value="0" text="none"/><Entry value="1" text="boundary spacing"/></EnumerationDomain>
       <Documentation>Whether the sides' spacing is carried inside, or lines spread evenly (Laplace).</Documentation>
@@ -884,6 +889,11 @@ def vtk_type_of(content):
     <IntVectorProperty name="Sliding" label="Sliding" command="SetSliding" number_of_elements="1" default_values="0" panel_visibility="default">
       <BooleanDomain name="bool"/>
       <Documentation>Whether points slide along walls to make the angle, instead of lines that lean.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="Periodic" label="Periodic" command="SetPeriodic" number_of_elements="1" default_values="0" panel_visibility="default">
+      <BooleanDomain name="bool"/>
+      <Documentation>Whether east is west moved along, and the grid runs on through both, as between
+      blades.</Documentation>
     </IntVectorProperty>
     <DoubleVectorProperty name="Residual" label="Residual" command="SetResidual" number_of_elements="1" default_values="0" panel_visibility="advanced">
       <DoubleRangeDomain name="range" min="0" max="1"/>
@@ -906,8 +916,10 @@ def vtk_type_of(content):
     <PropertyGroup label="Parameters">
       <Property name="CellsI"/>
       <Property name="CellsJ"/>
+      <Property name="Equation"/>
       <Property name="Control"/>
       <Property name="Walls"/>
+      <Property name="Periodic"/>
     </PropertyGroup>
     <PropertyGroup label="Spacing">
       <Property name="SpacingSouth"/>
@@ -952,6 +964,9 @@ class meshcoreEllipticGrid(Operation):
     def SetSpacingWest(self, value):
         self.set("spacing_west", value or None)
 
+    def SetEquation(self, value):
+        self.set("equation", ('Poisson', 'biharmonic')[value])
+
     def SetControl(self, value):
         self.set("control", ('none', 'boundary spacing')[value])
 
@@ -966,6 +981,9 @@ class meshcoreEllipticGrid(Operation):
 
     def SetSliding(self, value):
         self.set("sliding", bool(value))
+
+    def SetPeriodic(self, value):
+        self.set("periodic", bool(value))
 
     def SetResidual(self, value):
         self.set("residual", value or None)

@@ -13,7 +13,7 @@ from ..progress import Progress, part_of, silent
 from ..report import Result
 from ..threads import checked_threads
 from .control_functions import Attractor, ControlFunction
-from .elliptic_problem import Asked, Control, solved
+from .elliptic_problem import Asked, Control, Equation, solved
 from .transfinite import transfinite
 from .wall_control import Wall
 from .winslow import MOST_CYCLES, SIDES
@@ -39,6 +39,9 @@ def elliptic(
     spacing_east: Annotated[Length | None, Param("Width of the cells at the east side", group="Spacing")] = None,
     spacing_north: Annotated[Length | None, Param("Height of the cells at the north side", group="Spacing")] = None,
     spacing_west: Annotated[Length | None, Param("Width of the cells at the west side", group="Spacing")] = None,
+    equation: Annotated[
+        Equation, Param("Poisson with control functions, or biharmonic: slopes at walls at once, folds more easily")
+    ] = "Poisson",
     control: Annotated[
         Control, Param("Whether the sides' spacing is carried inside, or lines spread evenly (Laplace)")
     ] = "boundary spacing",
@@ -93,6 +96,9 @@ def elliptic(
         Cells along i and j. Left out, opposite sides must have as many points as each other.
     spacing_south, spacing_east, spacing_north, spacing_west : Length, optional
         Size of the cells that touch that side, measured along the two sides that end there.
+    equation : {"Poisson", "biharmonic"}
+        Poisson's equation with control functions, or the biharmonic one in the grid's coordinates, which takes angle
+        and first height at walls as they are, at once; it may fold, and is for small grids.
     control : {"boundary spacing", "none"}
         Control functions from the boundary's spacing (Thomas and Middlecoff, with the boundary's curvature), or none.
     walls : {"none", "south", "east", "north", "west", "south and north", "west and east", "all"}
@@ -172,6 +178,7 @@ def elliptic(
     }
     start = _transfinite_start(south, east, north, west, progress=part_of(progress, 0.0, 0.1), **given)
     asked = Asked(
+        equation=equation,
         control=control,
         control_functions=control_functions,
         attractors=attractors,

@@ -16,6 +16,7 @@ from ..quality import summary, validate
 from ..report import Report, Result
 from ..threads import available_threads
 from .barrier import unfolded, weak_cells
+from .biharmonic import biharmonic
 from .control_functions import Attractor, ControlFunction, from_attractors, from_boundary, from_user
 from .folds import refuse_folds
 from .team import Team
@@ -28,6 +29,7 @@ _CURE = (
 )
 _HALVINGS = 3  # of control functions that fold the grid
 _ALIKE = 1e-6  # of the extent: how far periodic sides may differ
+Equation = Literal["Poisson", "biharmonic"]
 Control = Literal["none", "boundary spacing"]
 
 
@@ -37,6 +39,8 @@ class Asked:
 
     Attributes
     ----------
+    equation : {"Poisson", "biharmonic"}
+        What is solved; control functions are Poisson's.
     control : {"none", "boundary spacing"}
         Control functions from the boundary.
     control_functions : P and Q, or None
@@ -55,6 +59,7 @@ class Asked:
         How many may work.
     """
 
+    equation: Equation = "Poisson"
     control: Control = "none"
     control_functions: Sequence[ControlFunction] | None = None
     attractors: Sequence[Attractor] = ()
@@ -66,6 +71,8 @@ class Asked:
 
     def growth(self, points: np.ndarray, cyclic: bool) -> np.ndarray | None:
         """Logarithms of growth of all control functions together, or None for the Laplace equations."""
+        if self.equation == "biharmonic":
+            return None
         shape = points.shape[:2]
         parts = []
         if self.control == "boundary spacing":
@@ -185,6 +192,8 @@ def _planar(points: np.ndarray, cyclic: bool, asked: Asked, progress: Progress) 
 
 
 def _once(points: np.ndarray, growth: np.ndarray | None, cyclic: bool, asked: Asked, progress: Progress) -> Found:
+    if asked.equation == "biharmonic":
+        return Found(biharmonic(points, asked.walls, cyclic=cyclic), (0.0,), True)
     if asked.walls:
         return _with_walls(points, growth, cyclic, asked, progress)
     solution = winslow(

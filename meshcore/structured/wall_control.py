@@ -36,7 +36,7 @@ _LARGEST_LEAN_STEP, _LARGEST_HEIGHT_STEP, _LARGEST_CONTROL = 0.4, 0.8, 1.5
 # many first heights: neither angle nor height are judged there.
 _NEAR_CORNER, _CORNER_REACH = 2, 2.0
 _PATIENCE = 25  # steps without a gain of two per cent
-_SHARP = 60.0  # degrees of turning
+_SHARP = np.radians(60.0)  # of turning
 
 
 @dataclass(frozen=True)
@@ -114,37 +114,47 @@ def from_wall(grid: np.ndarray, side: str) -> np.ndarray:
     return flipped.swapaxes(-1, -2) if side in ("west", "east") else flipped
 
 
-def measured(r: np.ndarray, side: str, sign: float, cyclic: bool) -> Measured:
-    """Angle, height and spacing at a side of a (2, ni, nj) grid whose cells' areas have the given sign."""
-    view = from_wall(r, side)
-    wall, first = view[..., 0], view[..., 1]
-    closed = cyclic and side in ("south", "north")
+def tangents(wall: np.ndarray, side: str, sign: float, closed: bool) -> tuple[np.ndarray, float]:
+    """(2, n) unit tangents along a side, and 1 if the grid lies to their left, else -1."""
+    ahead, behind, weight, _ = _neighbouring_edges(wall, closed)
+    tangent = weight * ahead + (1 - weight) * behind
+    flat = np.hypot(*tangent) < 1e-6
+    tangent[:, flat] = np.stack([-ahead[1], ahead[0]])[:, flat]
+    return tangent / np.hypot(*tangent), sign * (1.0 if side in ("south", "east") else -1.0)
+
+
+def _neighbouring_edges(wall: np.ndarray, closed: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Unit edges after and before each node, the share of the one in the tangent, and the turn in radians.
+
+    The tangent is that of the parabola through three nodes, at a sharp corner the bisector.
+    """
     step = np.diff(wall, axis=1)
     after = np.concatenate([step, step[:, :1] if closed else step[:, -1:]], axis=1)
     before = np.concatenate([step[:, -1:] if closed else step[:, :1], step], axis=1)
     long_after, long_before = np.linalg.norm(after, axis=0), np.linalg.norm(before, axis=0)
-    # The tangent of the parabola through three nodes; the bisector at a sharp corner.
     ahead, behind = after / long_after, before / long_before
     turn = np.abs(np.arctan2(ahead[1] * behind[0] - ahead[0] * behind[1], (ahead * behind).sum(axis=0)))
-    sharp = turn > np.radians(_SHARP)
-    weight = np.where(sharp, 0.5, long_before / (long_after + long_before))
-    tangent = weight * ahead + (1 - weight) * behind
-    flat = np.hypot(*tangent) < 1e-6
-    tangent[:, flat] = np.stack([-ahead[1], ahead[0]])[:, flat]
-    tangent /= np.hypot(*tangent)
-    facing = sign * (1.0 if side in ("south", "east") else -1.0)
-    edge = first - wall
+    return ahead, behind, np.where(turn > _SHARP, 0.5, long_before / (long_after + long_before)), turn
+
+
+def measured(r: np.ndarray, side: str, sign: float, cyclic: bool) -> Measured:
+    """Angle, height and spacing at a side of a (2, ni, nj) grid whose cells' areas have the given sign."""
+    view = from_wall(r, side)
+    wall, edge = view[..., 0], view[..., 1] - view[..., 0]
+    closed = cyclic and side in ("south", "north")
+    tangent, facing = tangents(wall, side, sign, closed)
     along = (edge * tangent).sum(axis=0)
     out = facing * (edge[1] * tangent[0] - edge[0] * tangent[1])
-    height = np.hypot(*edge)
-    counts = _away_from(sharp, step, height, closed)
-    angle = np.degrees(np.arctan2(out, along))
-    return Measured(angle, height, 0.5 * (long_after + long_before), counts)
+    height, length = np.hypot(*edge), np.linalg.norm(np.diff(wall, axis=1), axis=0)
+    first, last = (length[-1:], length[:1]) if closed else (length[:1], length[-1:])
+    spacing = 0.5 * (np.concatenate([length, last]) + np.concatenate([first, length]))
+    sharp = _neighbouring_edges(wall, closed)[3] > _SHARP
+    counts = _away_from(sharp, np.concatenate([[0.0], np.cumsum(length)]), height, closed)
+    return Measured(np.degrees(np.arctan2(out, along)), height, spacing, counts)
 
 
-def _away_from(sharp: np.ndarray, step: np.ndarray, height: np.ndarray, closed: bool) -> np.ndarray:
+def _away_from(sharp: np.ndarray, length: np.ndarray, height: np.ndarray, closed: bool) -> np.ndarray:
     """(n,) bool: nodes that are not close to a sharp corner or to an end, where another side begins."""
-    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(step, axis=0))])
     number = np.arange(len(sharp))
     counts = ~sharp
     corners = np.flatnonzero(sharp)

@@ -128,6 +128,20 @@ def test_periodic_along_j_is_periodic_along_i_transposed():
     assert np.abs(one.points.swapaxes(0, 1)[:, ::-1] - other.points).max() < 1e-6
 
 
+def test_users_functions_follow_a_transposed_grid():
+    points = annulus(16, 10)
+    p, q = (lambda i, j: 0.02 * i - 0.1, np.linspace(-0.2, 0.1, 11) + np.zeros((17, 11)))
+    one, _ = mc.elliptically_smoothed(
+        grid_of(points, periodic=(True, False, False)), control_functions=(p, q), residual=1e-11
+    )
+    other, _ = mc.elliptically_smoothed(
+        grid_of(np.ascontiguousarray(points.swapaxes(0, 1)), periodic=(False, True, False)),
+        control_functions=(q.T, lambda i, j: p(j, i)),
+        residual=1e-11,
+    )
+    assert np.abs(one.points.swapaxes(0, 1) - other.points).max() < 1e-9
+
+
 def test_users_functions_and_attractors_reach_the_solver():
     start = grid_of(wavy(24, 20, 0.05))
     p = np.full((24, 20), 0.1)
