@@ -87,7 +87,7 @@ class Asked:
         """The same of a grid whose i and j change places."""
         functions = self.control_functions
         if functions is not None:
-            p, q = ((lambda i, j, f=f: f(j, i).T) if callable(f) else np.asarray(f).T for f in functions)
+            p, q = ((lambda i, j, f=f: f(j, i)) if callable(f) else np.asarray(f).T for f in functions)
             functions = (q, p)
         attractors = [replace(a, i=a.j, j=a.i) for a in self.attractors]
         names = dict(zip(SIDES, ("west", "north", "east", "south"), strict=True))
