@@ -224,7 +224,7 @@ def elliptically_smoothed(
     InvalidInput
         If the grid has layers, or a control is impossible.
     InvalidGeometry
-        If the grid does not lie in one plane.
+        If the grid does not lie in one plane, or its cells run clockwise.
     GenerationFailed
         If cells stay folded; `cells` are the folded ones, `partial` the grid.
 

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..errors import InvalidInput
+from ..errors import InvalidGeometry, InvalidInput
 from ..geometry.plane import fitted_plane
 from ..mesh import StructuredGrid
 from ..progress import Progress, silent
@@ -127,6 +127,8 @@ def solved(start: StructuredGrid, asked: Asked, progress: Progress = silent) -> 
     flat = plane.to_plane(spatial.reshape(-1, 3)).reshape(*spatial.shape[:2], 2)
     if start.periodic[0] and start.periodic[1]:
         raise InvalidInput("is periodic along i and j, which no planar grid can be", parameter="grid")
+    if np.ptp(spatial[..., 2]) == 0 and orientation(flat) < 0:
+        raise InvalidGeometry("is left-handed: its cells run clockwise; reverse its i", parameter="grid")
     transposed = start.periodic[1]
     sliding = [wall.side for wall in asked.walls if wall.slides]
     if transposed:

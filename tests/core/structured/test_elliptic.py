@@ -130,16 +130,18 @@ def test_periodic_along_j_is_periodic_along_i_transposed():
 
 def test_users_functions_follow_a_transposed_grid():
     points = annulus(16, 10)
-    p, q = (lambda i, j: 0.02 * i - 0.1, np.linspace(-0.2, 0.1, 11) + np.zeros((17, 11)))
+    p, q = (lambda i, j: 0.1 * np.sin(np.pi * i / 8), np.linspace(-0.2, 0.1, 11) + np.zeros((17, 11)))
     one, _ = mc.elliptically_smoothed(
         grid_of(points, periodic=(True, False, False)), control_functions=(p, q), residual=1e-11
     )
     other, _ = mc.elliptically_smoothed(
-        grid_of(np.ascontiguousarray(points.swapaxes(0, 1)), periodic=(False, True, False)),
-        control_functions=(q.T, lambda i, j: p(j, i)),
+        grid_of(np.ascontiguousarray(points.swapaxes(0, 1)[:, ::-1]), periodic=(False, True, False)),
+        control_functions=(q.T[:, ::-1], lambda i, j: -p(16 - j, i)),
         residual=1e-11,
     )
-    assert np.abs(one.points.swapaxes(0, 1) - other.points).max() < 1e-9
+    assert np.abs(one.points.swapaxes(0, 1)[:, ::-1] - other.points).max() < 1e-9
+    with pytest.raises(InvalidGeometry, match="left-handed"):
+        mc.elliptically_smoothed(grid_of(points[::-1]))
 
 
 def test_users_functions_and_attractors_reach_the_solver():
