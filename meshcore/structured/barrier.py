@@ -50,8 +50,26 @@ def _weak_corners(points: np.ndarray, sign: float, sine: float = _SOUND) -> np.n
     return weak
 
 
-def _curable_cells(points: np.ndarray, sign: float, cyclic: bool) -> np.ndarray:
-    """Weak cells, but for those that are weak only at a corner of the grid, whose three points are all fixed."""
+def curable_cells(points: np.ndarray, sign: float, *, cyclic: bool = False) -> np.ndarray:
+    """Weak cells, but for those that are weak only at a corner of the grid, whose three points are all fixed.
+
+    Parameters
+    ----------
+    points, sign, cyclic
+        As for `unfolded`.
+
+    Returns
+    -------
+    (ni - 1, nj - 1) bool
+
+    Examples
+    --------
+    >>> x, y = np.meshgrid([0.0, 1, 2], [0.0, 1, 2], indexing="ij")
+    >>> points = np.stack([x, y], axis=-1)
+    >>> points[0, 0] = 0.8
+    >>> int(weak_cells(points, 1.0).sum()), int(curable_cells(points, 1.0).sum())
+    (1, 0)
+    """
     weak = _weak_corners(points, sign)
     if not cyclic:
         for at_i in (0, -1):
@@ -87,7 +105,7 @@ def unfolded(points: np.ndarray, sign: float, *, cyclic: bool = False) -> np.nda
     >>> int(weak_cells(points, 1.0).sum()), int(weak_cells(unfolded(points, 1.0), 1.0).sum())
     (3, 0)
     """
-    weak = _curable_cells(points, sign, cyclic)
+    weak = curable_cells(points, sign, cyclic=cyclic)
     if not weak.any():
         return points
     turn = _quiet_row(weak) if cyclic else 0
@@ -96,7 +114,7 @@ def unfolded(points: np.ndarray, sign: float, *, cyclic: bool = False) -> np.nda
     way = points[-1] - points[0] if cyclic else np.zeros_like(points[0])
     turned[len(points) - 1 - turn :] += way if turn else 0.0
     for margin in _MARGINS:
-        weak = _curable_cells(turned, sign, cyclic)
+        weak = curable_cells(turned, sign, cyclic=cyclic)
         if not weak.any():
             break
         patches, number = label(binary_dilation(weak, np.ones((3, 3)), iterations=margin))

@@ -15,7 +15,7 @@ from ..progress import Progress, silent
 from ..quality import summary, validate
 from ..report import Report, Result
 from ..threads import available_threads
-from .barrier import unfolded, weak_cells
+from .barrier import curable_cells, unfolded
 from .biharmonic import biharmonic
 from .control_functions import Attractor, ControlFunction, from_attractors, from_boundary, from_user
 from .folds import refuse_folds
@@ -27,7 +27,7 @@ _CURE = (
     "move the grid's corners to where the boundary turns by less than 180 degrees, ask for less control, "
     "or give more cells"
 )
-_HALVINGS = 3  # of control functions that fold the grid
+_SHARES = (1.0, 0.5, 0.25, 0.0)  # of control functions, as long as they fold the grid or do not converge
 _ALIKE = 1e-6  # of the extent: how far periodic sides may differ
 Equation = Literal["Poisson", "biharmonic"]
 Control = Literal["none", "boundary spacing"]
@@ -111,6 +111,8 @@ class Found:
         What to tell the user.
     quality : dict of str to float
         Errors of angle and height at walls.
+    stalled : bool
+        Whether cycles no longer brought the grid nearer to a solution.
     """
 
     points: np.ndarray
@@ -118,6 +120,7 @@ class Found:
     converged: bool
     warnings: list[str] = field(default_factory=list)
     quality: dict[str, float] = field(default_factory=dict)
+    stalled: bool = False
 
 
 def solved(start: StructuredGrid, asked: Asked, progress: Progress = silent) -> Result:
@@ -172,24 +175,19 @@ def _check_periodic(points: np.ndarray) -> None:
 
 
 def _planar(points: np.ndarray, cyclic: bool, asked: Asked, progress: Progress) -> Found:
-    """Solve, with less control while that folds the grid; then unfold what is left."""
+    """Solve and unfold; with less control as long as that leaves no sound grid."""
     growth = asked.growth(points, cyclic)
     sign = orientation(points)
     if min(points.shape[:2]) < 3:
         return Found(points, [0.0], True)
-    share = 1.0
-    for halving in range(_HALVINGS + 1):
+    for share in _SHARES if growth is not None else (1.0,):
         found = _once(points, None if growth is None else share * growth, cyclic, asked, progress)
-        folds = weak_cells(found.points, sign).any()
-        if folds:
+        if curable_cells(found.points, sign, cyclic=cyclic).any():
             found.points = unfolded(found.points, sign, cyclic=cyclic)
-        if growth is None or (found.converged and not (folds and weak_cells(found.points, sign).any())):
+        if not (found.stalled or curable_cells(found.points, sign, cyclic=cyclic).any()):
             break
-        share = 0.5 * share if halving < _HALVINGS - 1 else 0.0
-    else:
-        share = 0.0
-    if growth is not None and share < 1:
-        found.warnings.append(f"control functions folded the grid and were reduced to {share:.0%}")
+    if share < 1:
+        found.warnings.append(f"control functions were too strong for a sound grid and were reduced to {share:.0%}")
     return found
 
 
@@ -213,7 +211,8 @@ def _once(points: np.ndarray, growth: np.ndarray | None, cyclic: bool, asked: As
             f"not converged after {len(solution.history) - 2} cycles: the residual is {solution.history[-1]:.2g} of "
             f"the start's, and a node may be {solution.error:.2g} of the local spacing from its place"
         )
-    return Found(solution.points, solution.history, solution.converged, warnings)
+    stalled = not solution.converged and solution.error > 1 and len(solution.history) - 2 < asked.most_cycles
+    return Found(solution.points, solution.history, solution.converged, warnings, stalled=stalled)
 
 
 def _with_walls(points: np.ndarray, growth: np.ndarray | None, cyclic: bool, asked: Asked, progress: Progress) -> Found:
