@@ -11,8 +11,11 @@ rows or columns from ``first`` to ``last``, so that threads share the work, and 
 ``c`` may have a single row, which then stands for all: where they are zero, reading them would take most of the time.
 """
 
+import numpy as np
+
 from .._numba import kernel
 
+U = np.uint64  # subscripts of this type need no look at negative ones, which would keep loops from becoming vectors
 TINY = 1e-300  # keeps a division by the size of a collapsed cell finite
 # Share of |r_ii|^2 that joins g = |r_i|^2 (and a likewise) where a line turns back on itself, as at a sharp trailing
 # edge: the central difference vanishes there, and a quarter makes g the mean of the one-sided squares.
@@ -35,19 +38,19 @@ def metric(ri, rj, rii, rjj, si, sj, sii, sjj, corner):
 @kernel(inline=True)
 def equation(x0, x1, x2, y0, y1, y2, p, q, j, corner):
     """a, g, N(r) in x and in y, at column j of the middle of three rows."""
-    xi = 0.5 * (x2[j] - x0[j])
-    yi = 0.5 * (y2[j] - y0[j])
-    xj = 0.5 * (x1[j + 1] - x1[j - 1])
-    yj = 0.5 * (y1[j + 1] - y1[j - 1])
-    xii = (x2[j] - x1[j]) - (x1[j] - x0[j])
-    yii = (y2[j] - y1[j]) - (y1[j] - y0[j])
-    xjj = (x1[j + 1] - x1[j]) - (x1[j] - x1[j - 1])
-    yjj = (y1[j + 1] - y1[j]) - (y1[j] - y1[j - 1])
-    xij = 0.25 * ((x2[j + 1] - x2[j - 1]) - (x0[j + 1] - x0[j - 1]))
-    yij = 0.25 * ((y2[j + 1] - y2[j - 1]) - (y0[j + 1] - y0[j - 1]))
+    xi = 0.5 * (x2[U(j)] - x0[U(j)])
+    yi = 0.5 * (y2[U(j)] - y0[U(j)])
+    xj = 0.5 * (x1[U(j + 1)] - x1[U(j - 1)])
+    yj = 0.5 * (y1[U(j + 1)] - y1[U(j - 1)])
+    xii = (x2[U(j)] - x1[U(j)]) - (x1[U(j)] - x0[U(j)])
+    yii = (y2[U(j)] - y1[U(j)]) - (y1[U(j)] - y0[U(j)])
+    xjj = (x1[U(j + 1)] - x1[U(j)]) - (x1[U(j)] - x1[U(j - 1)])
+    yjj = (y1[U(j + 1)] - y1[U(j)]) - (y1[U(j)] - y1[U(j - 1)])
+    xij = 0.25 * ((x2[U(j + 1)] - x2[U(j - 1)]) - (x0[U(j + 1)] - x0[U(j - 1)]))
+    yij = 0.25 * ((y2[U(j + 1)] - y2[U(j - 1)]) - (y0[U(j + 1)] - y0[U(j - 1)]))
     a, b, g = metric(xi, xj, xii, xjj, yi, yj, yii, yjj, corner)
-    nx = a * (xii + p[j] * xi) - 2 * b * xij + g * (xjj + q[j] * xj)
-    ny = a * (yii + p[j] * yi) - 2 * b * yij + g * (yjj + q[j] * yj)
+    nx = a * (xii + p[U(j)] * xi) - 2 * b * xij + g * (xjj + q[U(j)] * xj)
+    ny = a * (yii + p[U(j)] * yi) - 2 * b * yij + g * (yjj + q[U(j)] * yj)
     return a, g, nx, ny
 
 
@@ -116,17 +119,17 @@ def smooth_along_i(r, f, c, sharp, cyclic, work, first, last):
             for k in range(used):
                 j = start + 2 * k
                 a, g, nx, ny = equation(x0, x1, x2, y0, y1, y2, p, q, j, corner)
-                work[row + BELOW + k] = a * (1 - 0.5 * p[j])
-                work[row + DIAGONAL + k] = 2 * (a + g) + TINY
-                work[row + ABOVE + k] = a * (1 + 0.5 * p[j])
-                work[row + DX + k] = nx - fx[j]
-                work[row + DY + k] = ny - fy[j]
+                work[U(row + BELOW + k)] = a * (1 - 0.5 * p[U(j)])
+                work[U(row + DIAGONAL + k)] = 2 * (a + g) + TINY
+                work[U(row + ABOVE + k)] = a * (1 + 0.5 * p[U(j)])
+                work[U(row + DX + k)] = nx - fx[U(j)]
+                work[U(row + DY + k)] = ny - fy[U(j)]
         solve_lines(work, n - 2, cyclic)
         for i in range(1, n - 1):
             x, y = r[0, i], r[1, i]
             for k in range(used):
-                x[start + 2 * k] += work[i * RECORD + DX + k]
-                y[start + 2 * k] += work[i * RECORD + DY + k]
+                x[U(start + 2 * k)] += work[U(i * RECORD + DX + k)]
+                y[U(start + 2 * k)] += work[U(i * RECORD + DY + k)]
 
 
 @kernel
@@ -140,19 +143,19 @@ def smooth_along_j(r, f, c, sharp, out, work, first, last):
             row_equations(r, f, c, i, sharp, out)
             a, g, nx, ny, q = out[0], out[1], out[2], out[3], c[1, i % c.shape[1]]
             for j in range(1, n - 1):
-                half = 0.5 * q[j]
+                half = 0.5 * q[U(j)]
                 row = j * RECORD + k
-                work[row + BELOW] = g[j] * (1 - half)
-                work[row + DIAGONAL] = 2 * (a[j] + g[j]) + TINY
-                work[row + ABOVE] = g[j] * (1 + half)
-                work[row + DX] = nx[j]
-                work[row + DY] = ny[j]
+                work[U(row + BELOW)] = g[U(j)] * (1 - half)
+                work[U(row + DIAGONAL)] = 2 * (a[U(j)] + g[U(j)]) + TINY
+                work[U(row + ABOVE)] = g[U(j)] * (1 + half)
+                work[U(row + DX)] = nx[U(j)]
+                work[U(row + DY)] = ny[U(j)]
         solve_lines(work, n - 2, False)
         for k in range(used):
             x, y = r[0, start + 2 * k], r[1, start + 2 * k]
             for j in range(1, n - 1):
-                x[j] += work[j * RECORD + DX + k]
-                y[j] += work[j * RECORD + DY + k]
+                x[U(j)] += work[U(j * RECORD + DX + k)]
+                y[U(j)] += work[U(j * RECORD + DY + k)]
 
 
 @kernel
@@ -164,36 +167,40 @@ def solve_lines(work, n, cyclic):
     """
     end, over = n * RECORD, (n + 1) * RECORD
     for k in range(LANES):
-        work[ABOVE + k] = work[DX + k] = work[DY + k] = 0.0
-        work[FAR + k] = 1.0 if cyclic else 0.0
-        work[over + k] = work[end + ABOVE + k] if cyclic else 0.0
+        work[U(ABOVE + k)] = work[U(DX + k)] = work[U(DY + k)] = 0.0
+        work[U(FAR + k)] = 1.0 if cyclic else 0.0
+        work[U(over + k)] = work[U(end + ABOVE + k)] if cyclic else 0.0
     for t in range(1, n):
         row = t * RECORD
         for k in range(LANES):
-            below = work[row + BELOW + k]
-            scale = 1.0 / (work[row + DIAGONAL + k] - below * work[row - RECORD + ABOVE + k])
-            work[row + ABOVE + k] *= scale
-            work[row + DX + k] = (work[row + DX + k] + below * work[row - RECORD + DX + k]) * scale
-            work[row + DY + k] = (work[row + DY + k] + below * work[row - RECORD + DY + k]) * scale
-            work[row + FAR + k] = below * work[row - RECORD + FAR + k] * scale
+            below = work[U(row + BELOW + k)]
+            scale = 1.0 / (work[U(row + DIAGONAL + k)] - below * work[U(row - RECORD + ABOVE + k)])
+            work[U(row + ABOVE + k)] *= scale
+            work[U(row + DX + k)] = (work[U(row + DX + k)] + below * work[U(row - RECORD + DX + k)]) * scale
+            work[U(row + DY + k)] = (work[U(row + DY + k)] + below * work[U(row - RECORD + DY + k)]) * scale
+            work[U(row + FAR + k)] = below * work[U(row - RECORD + FAR + k)] * scale
         if cyclic:
             for k in range(LANES):
-                work[end + DX + k] += work[over + k] * work[row + DX + k]
-                work[end + DY + k] += work[over + k] * work[row + DY + k]
-                work[end + DIAGONAL + k] -= work[over + k] * work[row + FAR + k]
-                work[over + k] *= work[row + ABOVE + k]
+                work[U(end + DX + k)] += work[U(over + k)] * work[U(row + DX + k)]
+                work[U(end + DY + k)] += work[U(over + k)] * work[U(row + DY + k)]
+                work[U(end + DIAGONAL + k)] -= work[U(over + k)] * work[U(row + FAR + k)]
+                work[U(over + k)] *= work[U(row + ABOVE + k)]
     row = end - RECORD
     for k in range(LANES):
-        below = work[end + BELOW + k]
-        left = work[end + DIAGONAL + k] - work[over + k] - below * (work[row + ABOVE + k] + work[row + FAR + k])
-        work[end + DX + k] = (work[end + DX + k] + below * work[row + DX + k]) / left
-        work[end + DY + k] = (work[end + DY + k] + below * work[row + DY + k]) / left
+        below = work[U(end + BELOW + k)]
+        left = (
+            work[U(end + DIAGONAL + k)]
+            - work[U(over + k)]
+            - below * (work[U(row + ABOVE + k)] + work[U(row + FAR + k)])
+        )
+        work[U(end + DX + k)] = (work[U(end + DX + k)] + below * work[U(row + DX + k)]) / left
+        work[U(end + DY + k)] = (work[U(end + DY + k)] + below * work[U(row + DY + k)]) / left
     for t in range(n - 1, 0, -1):
         row = t * RECORD
         for k in range(LANES):
-            above, far = work[row + ABOVE + k], work[row + FAR + k]
-            work[row + DX + k] += above * work[row + RECORD + DX + k] + far * work[end + DX + k]
-            work[row + DY + k] += above * work[row + RECORD + DY + k] + far * work[end + DY + k]
+            above, far = work[U(row + ABOVE + k)], work[U(row + FAR + k)]
+            work[U(row + DX + k)] += above * work[U(row + RECORD + DX + k)] + far * work[U(end + DX + k)]
+            work[U(row + DY + k)] += above * work[U(row + RECORD + DY + k)] + far * work[U(end + DY + k)]
 
 
 @kernel

@@ -4,7 +4,11 @@ Levels need not be nested: along each direction a table tells, for each node, it
 their weights (`winslow_levels.Table`). Arrays are (2, ni, nj) as in `_winslow_kernels`.
 """
 
+import numpy as np
+
 from .._numba import kernel
+
+U = np.uint64  # for subscripts, as in `_winslow_kernels`
 
 HAT = 5  # nodes under the hat function of a coarse node
 
@@ -38,7 +42,7 @@ def average(fine, coarse, hat_i, weight_i, hat_j, weight_j, scale, row, first, l
             for j in range(1, coarse.shape[2] - 1):
                 total = 0.0
                 for k in range(HAT):
-                    total += weight_j[j, k] * row[hat_j[j, k]]
+                    total += weight_j[j, k] * row[U(hat_j[j, k])]
                 coarse[x, i, j] = total
 
 
@@ -56,4 +60,4 @@ def correct(coarse, before, fine, left_i, share_i, left_j, share_j, step, row, f
             for j in range(1, target.size - 1):
                 k = left_j[j]
                 b = share_j[j]
-                target[j] += b * row[k] + (1 - b) * row[k + 1]
+                target[j] += b * row[U(k)] + (1 - b) * row[U(k + 1)]
