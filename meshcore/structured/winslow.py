@@ -304,6 +304,7 @@ class Mixing:
         self._step, self._result = np.zeros(like.size), np.zeros(like.size)
         self._steps, self._results = np.zeros((2, _WINDOW, like.size))
         self._sums = np.zeros((self._blocks, 2 * _WINDOW))
+        self._lanes = np.zeros((team.number, mixing_kernels.LANES))
         self._gram = np.zeros((_WINDOW, _WINDOW))
 
     def mix(self, r: np.ndarray, before: np.ndarray) -> None:
@@ -315,7 +316,8 @@ class Mixing:
         share = np.zeros(_WINDOW)
         if self._used >= 0:
             known = min(self._used + 1, _WINDOW)
-            self._share(lambda _, a, b: mixing_kernels.products(steps[:known], step, slot, sums, a, b))
+            lanes = self._lanes
+            self._share(lambda k, a, b: mixing_kernels.products(steps[:known], step, slot, lanes[k], sums, a, b))
             both = sums.sum(axis=0)
             self._gram[slot, :known] = self._gram[:known, slot] = both[:known]
             share[:known] = _least_squares(self._gram[:known, :known], both[known : 2 * known])
