@@ -1168,7 +1168,7 @@ class meshcoreOGrid(Operation):
       sides.</Documentation>
     </IntVectorProperty>
     <IntVectorProperty name="Cure" label="Cure" command="SetCure" number_of_elements="1" default_values="0" panel_visibility="default">
-      <EnumerationDomain name="enum"><Entry value="0" text="none"/><Entry value="1" text="sides"/><Entry value="2" text="lines"/><Entry value="3" text="automatic"/></EnumerationDomain>
+      <EnumerationDomain name="enum"><Entry value="0" text="none"/><Entry value="1" text="sides"/><Entry value="2" text="lines"/><Entry value="3" text="smoothing"/><Entry value="4" text="automatic"/></EnumerationDomain>
       <Documentation>What may be done about folded cells (overspill).</Documentation>
     </IntVectorProperty>
     <IntVectorProperty name="Corners" label="Corners" command="SetCorners" number_of_elements="4" default_values="-1 -1 -1 -1" panel_visibility="advanced">
@@ -1234,7 +1234,7 @@ class meshcoreTransfiniteInterpolation(Operation):
         self.set("blending", ('arc length', 'linear', 'cubic')[value])
 
     def SetCure(self, value):
-        self.set("cure", ('none', 'sides', 'lines', 'automatic')[value])
+        self.set("cure", ('none', 'sides', 'lines', 'smoothing', 'automatic')[value])
 
     def SetCorners(self, *values):
         self.set("corners", *values)

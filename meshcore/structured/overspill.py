@@ -1,4 +1,4 @@
-"""The cure of overspill: sides with other parameters, then lines of constraint inside (survey 2.4.1, figure 6).
+"""The cure of overspill: sides with other parameters, lines of constraint inside, elliptic smoothing (survey 2.4.1).
 
 A remedy takes a patch and its folded points, and returns them with fewer folds, if it can, and what it did. Remedies
 follow one another, each going on from what the one before reached.
@@ -12,13 +12,17 @@ from typing import Literal
 
 import numpy as np
 
+from ..errors import InvalidGeometry
 from ..geometry.curves import resampled
+from ..geometry.plane import fitted_plane
+from .barrier import unfolded
 from .blending import Patch
 from .folds import folded_cells
 from .interior_lines import bent
 from .sides import fractions_of
+from .winslow import orientation, smoothed_grid
 
-Cure = Literal["none", "sides", "lines", "automatic"]
+Cure = Literal["none", "sides", "lines", "smoothing", "automatic"]
 Remedy = Callable[[Patch, np.ndarray], tuple[Patch, np.ndarray, str]]
 OPPOSITE = (("south", "north"), ("west", "east"))
 SAMPLES = 129
@@ -45,11 +49,14 @@ def cured(patch: Patch, points: np.ndarray, cure: Cure) -> tuple[Patch, np.ndarr
         What the points were interpolated from.
     points : (ni, nj, 3) float
         With folded cells.
-    cure : {"none", "sides", "lines", "automatic"}
+    cure : {"none", "sides", "lines", "smoothing", "automatic"}
         Which remedy; "automatic" takes all in turn until no fold is left.
     """
     done = []
+    bound = bool(patch.lines_i or patch.lines_j or patch.slopes is not None)
     for name, remedy in REMEDIES.items():
+        if name == "smoothing" and bound:
+            continue  # lines and slopes that were given would not be kept
         if cure in (name, "automatic") and _folds(points):
             patch, points, what = remedy(patch, points)
             done += [what] if what else []
@@ -237,5 +244,21 @@ def _turned(chord: np.ndarray, tangent: np.ndarray) -> np.ndarray:
     return normal * (np.linalg.norm(chord) / size) if size else chord
 
 
-REMEDIES: dict[str, Remedy] = {"sides": reparameterised, "lines": constrained}
+def smoothed(patch: Patch, points: np.ndarray) -> tuple[Patch, np.ndarray, str]:
+    """The Laplace grid between the sides of a planar patch, its last folds unfolded."""
+    flat_rows = points.reshape(-1, 3)
+    try:
+        plane = fitted_plane(flat_rows)
+    except InvalidGeometry:
+        return patch, points, ""
+    flat = plane.to_plane(flat_rows).reshape(*points.shape[:2], 2)
+    new = points.copy()
+    inside = unfolded(smoothed_grid(flat), orientation(flat))[1:-1, 1:-1]
+    new[1:-1, 1:-1] = plane.to_space(inside.reshape(-1, 2)).reshape(*inside.shape[:2], 3)
+    if _folds(new) >= _folds(points):
+        return patch, points, ""
+    return patch, new, "overspill: the grid was smoothed by the Laplace equations"
+
+
+REMEDIES: dict[str, Remedy] = {"sides": reparameterised, "lines": constrained, "smoothing": smoothed}
 """In the order in which "automatic" tries them."""

@@ -121,9 +121,9 @@ def transfinite(
         Blending functions. "arc length" carries the spacing of the sides into the interior, as cells at a wall
         need; "linear" blends by the cells' numbers, the textbook's choice. "cubic" is smooth across lines inside
         (cardinal splines by arc length) and leaves the sides at right angles, or with given `slopes`.
-    cure : {"none", "sides", "lines", "automatic"}
-        What may be done where the grid folds: move the points along the sides, add lines inside, or both in turn.
-        The report tells what was done.
+    cure : {"none", "sides", "lines", "smoothing", "automatic"}
+        What may be done where the grid folds: move the points along the sides, add lines inside, smooth it by the
+        Laplace equations (in a plane, and without lines or slopes given), or all in turn. The report tells what.
     corners : tuple of four int
         Numbers of the loop's corner points, in any order; all -1 picks the sharpest turns.
     tolerance : Length

@@ -87,12 +87,26 @@ def test_what_cannot_be_cured_is_refused_with_its_place(cure):
     assert set(left.cells) == set(np.flatnonzero(bad.ravel(order="F")))
 
 
-@pytest.mark.parametrize("cure", ["none", "sides", "lines", "automatic"])
+@pytest.mark.parametrize("cure", ["none", "sides", "lines", "smoothing", "automatic"])
 def test_a_sound_grid_is_left_alone(cure):
     sides = gallery.wavy_sides(12, 7)
     sides = [np.round(side, 9) for side in sides]
     grid, report = mc.transfinite(*sides, cure=cure)
     assert (grid.points == mc.transfinite(*sides).mesh.points).all() and not report.warnings
+
+
+@pytest.mark.parametrize("turn", [np.eye(3), np.array([[2, -1, 2], [2, 2, -1], [-1, 2, 2]]) / 3.0])
+def test_smoothing_keeps_the_sides_to_the_bit(turn):
+    s = np.linspace(0, 1, 31)
+    crowded = s**3
+    floor = np.column_stack([s, 0.9 * np.sin(np.pi * s) ** 8, 0 * s]) @ turn.T
+    roof = np.column_stack([crowded, 1 + 0.3 * np.sin(np.pi * crowded), 0 * s]) @ turn.T
+    sides = floor, np.array([floor[-1], roof[-1]]), roof, np.array([floor[0], roof[0]])
+    folded = failure(*sides, cells_j=20)
+    grid, report = mc.transfinite(*sides, cells_j=20, cure="smoothing")
+    assert report.warnings == ["overspill: the grid was smoothed by the Laplace equations"]
+    assert (grid.points[:, [0, -1]] == folded.partial.points[:, [0, -1]]).all()
+    assert (grid.points[[0, -1]] == folded.partial.points[[0, -1]]).all()
 
 
 def test_matching_is_even_for_parallel_lines_and_turns_with_the_curves():
