@@ -176,7 +176,7 @@ def elliptic(
         "corners": corners,
         "tolerance": tolerance,
     }
-    start = _transfinite_start(south, east, north, west, progress=part_of(progress, 0.0, 0.1), **given)
+    start, warnings = _transfinite_start(south, east, north, west, progress=part_of(progress, 0.0, 0.1), **given)
     asked = Asked(
         equation=equation,
         control=control,
@@ -188,7 +188,9 @@ def elliptic(
         most_cycles=max_cycles,
         threads=checked_threads(threads),
     )
-    return solved(start, asked, part_of(progress, 0.1, 1.0))
+    result = solved(start, asked, part_of(progress, 0.1, 1.0))
+    result.report.warnings[:0] = warnings
+    return result
 
 
 def elliptically_smoothed(
@@ -251,14 +253,15 @@ def elliptically_smoothed(
     return solved(grid, asked, progress)
 
 
-def _transfinite_start(*sides: Curve | None, **given) -> StructuredGrid:
-    """The transfinite grid between the sides, folded or not."""
+def _transfinite_start(*sides: Curve | None, **given) -> tuple[StructuredGrid, list[str]]:
+    """The transfinite grid between the sides, folded or not, and what was turned to make it."""
     try:
-        return transfinite(*sides, **given).mesh
+        grid, report = transfinite(*sides, **given)
     except GenerationFailed as failure:
         if failure.partial is None:
             raise
-        return failure.partial
+        return failure.partial, []
+    return grid, report.warnings
 
 
 def _walls(chosen: Walls, grid: StructuredGrid, first_height: Length | None, angle: float, sliding: bool) -> list[Wall]:

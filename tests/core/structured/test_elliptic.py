@@ -105,6 +105,13 @@ def test_walls_keep_their_names_in_a_patch_that_is_turned():
     assert np.abs(turned.points[::-1] * [-1, 1, 1] - straight.points).max() < 1e-6
 
 
+def test_sides_that_were_turned_are_told():
+    south, east, north, west = WAVY
+    grid, report = mc.elliptic(south, east, north[::-1], west)
+    assert report.warnings == ["north ran the other way and was reversed"]
+    assert np.abs(grid.points - mc.elliptic(*WAVY).mesh.points).max() < 1e-12
+
+
 def test_an_o_grid_is_smoothed_with_its_cut_free():
     rough, _ = mc.o_grid(gallery.airfoil("s1223", cells=96), radius=5, layers=40, first_height=2e-3)
     grid, report = mc.elliptically_smoothed(rough, walls=[Wall("south", first_height=2e-3)])
