@@ -614,3 +614,54 @@ def winslow(points, growth=None, cyclic=False, sweeps=20_000):
         if largest < 1e-14:
             break
     return r
+
+
+def elliptic_defects(points, control):
+    """(ni, nj, nk, 3) left sides of the equations ``g^ij (r_ij + P_i r_i)`` times J^2 at interior nodes, node by node.
+
+    ``g^ij`` is the inverse of the metric tensor, by numpy; differences are central, in index units.
+    """
+    defects = np.zeros_like(points)
+    for node in itertools.product(*(range(1, n - 1) for n in points.shape[:3])):
+        defects[node] = _elliptic_terms(points, control, node)[0]
+    return defects
+
+
+def _elliptic_terms(points, control, node):
+    """The left side at a node, and what multiplies the node in it."""
+
+    def at(*steps):
+        return points[tuple(np.add(node, np.sum(steps, axis=0)))]
+
+    e = np.eye(3, dtype=int)
+    first = np.array([(at(d) - at(-d)) / 2 for d in e])
+    metric = first @ first.T
+    inverse = np.linalg.inv(metric) * np.linalg.det(metric)
+    left = np.zeros(3)
+    for i, j in itertools.product(range(3), repeat=2):
+        if i == j:
+            second = at(e[i]) - 2 * at(0 * e[i]) + at(-e[i]) + control[node][i] * first[i]
+        else:
+            second = (at(e[i], e[j]) - at(e[i], -e[j]) - at(-e[i], e[j]) + at(-e[i], -e[j])) / 4
+        left += inverse[i, j] * second
+    return left, -2 * np.trace(inverse)
+
+
+def elliptic_grid_3d(points, control, sweeps=200):
+    """The solution of these equations, by so many sweeps of Gauss and Seidel."""
+    points = points.copy()
+    for _ in range(sweeps):
+        for node in itertools.product(*(range(1, n - 1) for n in points.shape[:3])):
+            left, diagonal = _elliptic_terms(points, control, node)
+            points[node] -= left / diagonal
+    return points
+
+
+def filled_box(points):
+    """The block whose inside is the Boolean sum of linear projections between opposite faces of a given one."""
+    filled = np.zeros_like(points)
+    for axis in range(3):
+        rest = np.moveaxis(points - filled, axis, 0)
+        t = np.linspace(0, 1, len(rest))[:, None, None, None]
+        filled += np.moveaxis((1 - t) * rest[:1] + t * rest[-1:], 0, axis)
+    return filled

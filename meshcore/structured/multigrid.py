@@ -1,0 +1,270 @@
+"""Nonlinear multigrid for grid equations in any number of dimensions: cycles, acceleration, when to stop.
+
+The full approximation scheme of A. Brandt, "Multi-level adaptive solutions to boundary-value problems", Math. Comp. 31
+(1977), with a fold guard, started by full multigrid, and accelerated by D. G. Anderson, "Iterative procedures for
+nonlinear integral equations", J. ACM 12 (1965). What the equations are, a `Level` knows.
+"""
+
+from __future__ import annotations
+
+import itertools
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
+from functools import partial
+
+import numpy as np
+
+from ..progress import Progress, advance, silent
+from ..threads import Workers
+from . import _multigrid_kernels as kernels
+from .transfer import Transfer
+
+COARSEST_SWEEPS = 12
+DEPTH = 3
+"""Earlier cycles that Anderson's acceleration looks back on."""
+GROWTH = 2.0
+"""A cycle after which the residual is larger by this factor is taken back."""
+ROUNDING = 1e-15
+"""A residual that is mere rounding, of a grid whose size is about one."""
+PATIENCE = 5
+"""Cycles that may pass without the residual being halved."""
+TINY = 1e-300
+CLOSE = 1e-3
+"""Distance from the converged grid, in local spacings, at which the default stops."""
+
+
+class Level(ABC):
+    """One grid of a hierarchy: unknowns x and right side f, both (m, *shape), their equations and their smoother."""
+
+    x: np.ndarray
+    f: np.ndarray
+    transfer: Transfer | None = None
+    """To the next coarser level; None on the coarsest."""
+
+    @abstractmethod
+    def smooth(self, *, back: bool) -> None:
+        """One sweep of relaxation, forth or back."""
+
+    @abstractmethod
+    def defect(self) -> np.ndarray:
+        """f - N(x), zero on the boundary; the array is used again by the next call."""
+
+    @abstractmethod
+    def residual(self) -> float:
+        """Root mean square of the lengths by which point relaxation would move the nodes."""
+
+    @abstractmethod
+    def folded(self) -> int:
+        """Number of folded cells."""
+
+    @abstractmethod
+    def largest_move(self, before: np.ndarray) -> float:
+        """Largest move of a node since ``before``, in local spacings."""
+
+
+@dataclass
+class Outcome:
+    """How `solve` fared.
+
+    Attributes
+    ----------
+    residuals : list of float
+        That of the start, then after each cycle.
+    converged : bool
+    error : float
+        Estimated distance from the converged grid, in local spacings.
+    guarded : int
+        Coarse corrections that were shortened because they folded cells.
+    """
+
+    residuals: list[float] = field(default_factory=list)
+    converged: bool = False
+    error: float = np.inf
+    guarded: int = 0
+
+    @property
+    def cycles(self) -> int:
+        """Cycles on the finest level."""
+        return len(self.residuals) - 1
+
+
+def cycle(levels: list[Level], k: int, outcome: Outcome) -> None:
+    """One V(1, 1) cycle of the full approximation scheme from level k down."""
+    level = levels[k]
+    if level.transfer is None:
+        for sweep in range(COARSEST_SWEEPS):
+            level.smooth(back=bool(sweep % 2))
+        return
+    coarse = levels[k + 1]
+    level.smooth(back=False)
+    start = level.transfer.sampled(level.x)
+    coarse.x[...] = start
+    coarse.f[...] = 0
+    # f - N(x) without f is -N(x).
+    right = level.transfer.scale * level.transfer.averaged(level.defect()) - coarse.defect()
+    coarse.f[...] = right
+    cycle(levels, k + 1, outcome)
+    _correct(level, coarse.x - start, outcome)
+    level.smooth(back=True)
+
+
+def _correct(level: Level, correction: np.ndarray, outcome: Outcome) -> None:
+    """Add the coarse correction, less of it if it folds further cells."""
+    before = level.folded()
+    step = 1.0
+    level.transfer.add(correction, step, level.x)
+    for _ in range(4):
+        if level.folded() <= before:
+            return
+        outcome.guarded += 1
+        level.transfer.add(correction, -0.6 * step, level.x)
+        step *= 0.4
+
+
+def full_multigrid(levels: list[Level], first: int, outcome: Outcome) -> None:
+    """A start for the finest level: solve on level ``first``, and carry the difference from the start upwards."""
+    starts = [levels[0].x.copy()]
+    for level in levels[:first]:
+        starts.append(level.transfer.sampled(starts[-1]))
+    for k in range(first, -1, -1):
+        levels[k].f[...] = 0
+        levels[k].x[...] = starts[k]
+        if k < first:
+            _correct(levels[k], levels[k + 1].x - starts[k + 1], outcome)
+        for _ in range(1 if k < first else 4):
+            cycle(levels, k, outcome)
+
+
+class Anderson:
+    """Acceleration of a fixed-point iteration by what earlier steps told.
+
+    Each step ``g(x)`` becomes the combination of the last ones whose change ``g(x) - x`` is least.
+    """
+
+    def __init__(self, size: int, workers: Workers, depth: int = DEPTH):
+        self._changes = np.zeros((depth, size), np.float32)  # they steer only: rough numbers, half the memory
+        self._steps = np.zeros((depth, size), np.float32)
+        self._gram = np.zeros((depth, depth))
+        self._workers = workers
+        self._chunks = -(-size // kernels.CHUNK)
+        self.forget()
+
+    def forget(self) -> None:
+        """Begin anew."""
+        self._count = 0
+        self._last: tuple[np.ndarray, np.ndarray] | None = None
+
+    def accelerate(self, before: np.ndarray, after: np.ndarray) -> None:
+        """Improve ``after``, what a step made of ``before``; both flat."""
+        change = after - before
+        if self._last is not None:
+            self._remember(change - self._last[0], after - self._last[1])
+        self._last = change, after.copy()
+        if used := min(self._count, len(self._steps)):
+            scale = 1 / np.sqrt(np.maximum(np.diag(self._gram)[:used], TINY))
+            gram = self._gram[:used, :used] * scale[:, None] * scale
+            factors = scale * np.linalg.lstsq(gram, scale * self._products(change, used), rcond=1e-10)[0]
+            self._workers.run(partial(kernels.subtract, after, self._steps, factors), 0, self._chunks)
+
+    def _remember(self, change: np.ndarray, step: np.ndarray) -> None:
+        place = self._count % len(self._steps)
+        self._changes[place], self._steps[place] = change, step
+        self._count += 1
+        used = min(self._count, len(self._steps))
+        self._gram[place, :used] = self._gram[:used, place] = self._products(change, used)
+
+    def _products(self, change: np.ndarray, count: int) -> np.ndarray:
+        sums = np.zeros((self._chunks, count))
+
+        def add_up(first: int, stop: int) -> None:
+            kernels.products(change, self._changes, count, first, stop, sums)
+
+        self._workers.run(add_up, 0, self._chunks)
+        return sums.sum(axis=0)
+
+
+def solve(
+    levels: list[Level],
+    *,
+    first: int = 0,
+    tolerance: float | None = None,
+    most: int = 50,
+    workers: Workers,
+    progress: Progress = silent,
+) -> Outcome:
+    """Full multigrid, then accelerated cycles until the finest level is close enough or nothing more is gained.
+
+    Parameters
+    ----------
+    levels : list of Level
+        Finest first; the finest holds the start grid, which should be of a size about one.
+    first : int
+        Level on which full multigrid begins.
+    tolerance : float, optional
+        Residual to reach, as part of the start's; by default the grid is to be within `CLOSE` of the converged one.
+    most : int
+        Cycles that are done at most.
+    workers : Workers
+        Threads for the acceleration.
+    progress : Progress
+        Told after each cycle.
+    """
+    level = levels[0]
+    outcome = Outcome([level.residual()])
+    full_multigrid(levels, first, outcome)
+    accelerator = Anderson(level.x.size, workers)
+    outcome.residuals.append(level.residual())
+    goal = max((tolerance or 0.0) * outcome.residuals[0], ROUNDING)
+    if outcome.residuals[-1] <= goal:
+        outcome.converged, outcome.error = True, 0.0
+    moves: list[float] = []
+    while not outcome.converged and len(moves) < most and not _stalled(outcome.residuals):
+        before = level.x.copy()
+        cycle(levels, 0, outcome)
+        moves.append(level.largest_move(before))
+        residual = _accelerated(level, before, accelerator)
+        if not residual <= GROWTH * outcome.residuals[-1]:
+            residual = _relaxed(level, before, accelerator)
+        outcome.residuals.append(residual)
+        outcome.error = _remaining(moves)
+        outcome.converged = (
+            outcome.error <= CLOSE if tolerance is None else residual <= tolerance * outcome.residuals[0]
+        )
+        advance(
+            progress, len(moves) / most, f"residual {residual / max(outcome.residuals[0], TINY):.1e} of the start's"
+        )
+    return outcome
+
+
+def _accelerated(level: Level, before: np.ndarray, accelerator: Anderson) -> float:
+    """Accelerate what a cycle made of ``before``, unless that folds further cells; the residual."""
+    plain, folded = level.x.copy(), level.folded()
+    accelerator.accelerate(before.ravel(), level.x.reshape(-1))
+    if level.folded() > folded:
+        level.x[...] = plain
+        accelerator.forget()
+    return level.residual()
+
+
+def _relaxed(level: Level, before: np.ndarray, accelerator: Anderson) -> float:
+    """Take back a cycle that made things worse: relaxation alone goes on from ``before``."""
+    level.x[...] = before
+    accelerator.forget()
+    for sweep in range(COARSEST_SWEEPS):
+        level.smooth(back=bool(sweep % 2))
+    return level.residual()
+
+
+def _remaining(moves: list[float]) -> float:
+    """Distance from the limit after moves that shrink as the last ones did."""
+    if len(moves) < 2:
+        return moves[-1]
+    rate = min(max(b / max(a, TINY) for a, b in itertools.pairwise(moves[-3:])), 0.95)
+    return moves[-1] * rate / (1 - rate)
+
+
+def _stalled(residuals: list[float]) -> bool:
+    """Whether nothing is left to gain: not finite, zero, or the last cycles did not get below what went before."""
+    if not 0 < residuals[-1] < np.inf:
+        return True
+    return len(residuals) > 2 * PATIENCE and min(residuals[-PATIENCE:]) > 0.5 * min(residuals[:-PATIENCE])

@@ -1,0 +1,192 @@
+"""Elliptic grids in space: the transformed Laplace and Poisson equations, solved by multigrid (survey 2.5.1, 2.6)."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from ..progress import Progress, silent
+from ..threads import Workers, available_threads
+from . import _winslow_3d_kernels as kernels
+from .multigrid import Level, Outcome, solve
+from .transfer import SMALL, Line, Transfer, coarser
+
+WEAK = 0.3
+"""A direction whose coupling is less than this part of the strongest is not coarsened yet."""
+FIRST_CELLS = 16
+"""Full multigrid begins on the coarsest grid with so many cells in each direction, or as many as there are."""
+_NONE = np.zeros(0)
+
+
+def solved(
+    points: np.ndarray,
+    *,
+    control: np.ndarray | None = None,
+    tolerance: float | None = None,
+    most: int = 50,
+    threads: int | None = None,
+    progress: Progress = silent,
+) -> tuple[np.ndarray, Outcome]:
+    """The elliptic grid with the boundary of a given one.
+
+    Parameters
+    ----------
+    points : (ni, nj, nk, 3) float
+        A start, whose boundary is kept to the last bit.
+    control : (ni, nj, nk, 3) float, optional
+        Control functions P, Q, R in index units, between -2 and 2: with P, spacing in i falls by the factor
+        ``(1 - P / 2) / (1 + P / 2)`` from one cell to the next.
+    tolerance : float, optional
+        Residual to reach, as part of the start's; by default the grid is within a thousandth of the local spacing
+        of the converged one.
+    most : int
+        Cycles that are done at most.
+    threads : int, optional
+        By default as many as there are cores; the grid does not depend on it.
+    progress : Progress, optional
+        Called with fraction and message.
+
+    Returns
+    -------
+    points : (ni, nj, nk, 3) float
+    outcome : Outcome
+        Folded cells are not looked for: the equations in their discrete form may have folded solutions.
+
+    Examples
+    --------
+    >>> box = np.stack(np.meshgrid(*[np.linspace(0, 1, 5)] * 3, indexing="ij"), axis=-1)
+    >>> dented = box.copy()
+    >>> dented[2, 2, 2] = 0.6
+    >>> points, outcome = solved(dented, tolerance=1e-10)
+    >>> bool(abs(points - box).max() < 1e-9)
+    True
+    """
+    if min(points.shape[:3]) < 3:
+        return points.copy(), Outcome([0.0], True, 0.0)
+    centre, size = points.reshape(-1, 3).mean(axis=0), float(np.ptp(points.reshape(-1, 3), axis=0).max())
+    size = size or 1.0
+    with Workers(threads or available_threads()) as workers:
+        levels = _levels((points - centre) / size, control, workers)
+        outcome = solve(
+            levels, first=_first(levels), tolerance=tolerance, most=most, workers=workers, progress=progress
+        )
+    new = points.copy()
+    inner = (slice(1, -1),) * 3
+    new[inner] = centre + size * np.moveaxis(levels[0].x, 0, -1)[inner]
+    return new, outcome
+
+
+class _Space(Level):
+    """One grid of a block: x and f of shape (3, ni, nj, nk)."""
+
+    def __init__(self, x: np.ndarray, control: np.ndarray, sign: float, workers: Workers):
+        self.x = np.ascontiguousarray(x)
+        self.f = np.zeros_like(self.x)
+        self.transfer = None
+        self._defect: np.ndarray | None = None
+        self._control, self._sign, self._workers = np.ascontiguousarray(control).reshape(-1), sign, workers
+        self._shape = self.x.shape[1:]
+        self._flat = self.x.reshape(-1), self.f.reshape(-1), self._control, self._shape
+
+    def smooth(self, *, back: bool) -> None:
+        """Zebra lines along i, j and k, or in the reverse order."""
+        for axis in (2, 1, 0) if back else (0, 1, 2):
+            slices = self._shape[1 if axis == 0 else 0] - 2
+            for parity in (1, 0) if back else (0, 1):
+                self._run(partial(self._relax, axis, parity), 0, (slices - parity + 1) // 2)
+
+    def _relax(self, axis: int, parity: int, first: int, stop: int) -> None:
+        lines = np.empty(self._shape[axis] * kernels.FIELDS * kernels.LINES)
+        if axis == 2:
+            kernels.relax_along(*self._flat, parity, first, stop, _row(), lines)
+        else:
+            kernels.relax_across(*self._flat, axis, parity, first, stop, lines)
+
+    def defect(self) -> np.ndarray:
+        """f - N(x), zero on the boundary; the array is used again by the next call."""
+        if self._defect is None:
+            self._defect = np.zeros_like(self.x)
+        self._squares(self._defect.reshape(-1))
+        return self._defect
+
+    def residual(self) -> float:
+        """Root mean square of the lengths by which point relaxation would move the nodes."""
+        interior = np.prod([n - 2 for n in self._shape])
+        return float(np.sqrt(self._squares(_NONE).sum() / interior))
+
+    def _squares(self, defect: np.ndarray) -> np.ndarray:
+        squares = np.zeros(self._shape[0])
+        self._run(
+            lambda first, stop: kernels.defect(*self._flat, first, stop, _row(), defect, squares), 1, self._shape[0] - 1
+        )
+        return squares
+
+    def folded(self) -> int:
+        """Cells with a corner whose Jacobian is zero or has the wrong sign."""
+        folded = np.zeros(self._shape[0], np.int64)
+        x, shape = self._flat[0], self._shape
+        self._run(lambda first, stop: kernels.count_folded(x, shape, self._sign, first, stop, folded), 0, shape[0] - 1)
+        return int(folded.sum())
+
+    def largest_move(self, before: np.ndarray) -> float:
+        """Largest move of a node since ``before``, in local spacings."""
+        moves = np.zeros(self._shape[0])
+        x, shape, old = self._flat[0], self._shape, before.reshape(-1)
+        self._run(lambda first, stop: kernels.largest_move(x, old, shape, first, stop, moves), 1, shape[0] - 1)
+        return float(moves.max())
+
+    def couplings(self) -> np.ndarray:
+        """(3,) mean parts that the directions have in the equations' diagonal."""
+        shares = np.zeros((self._shape[0], 3))
+        kernels.couplings(*self._flat, 1, self._shape[0] - 1, _row(), shares)
+        return shares.sum(axis=0) / shares.sum()
+
+    def _run(self, work, start: int, stop: int) -> None:
+        self._workers.run(work, start, stop, share=self.x.size > SMALL)
+
+
+def _row() -> np.ndarray:
+    return np.empty(kernels.FIELDS * kernels.LINES)
+
+
+def _levels(points: np.ndarray, control: np.ndarray | None, workers: Workers) -> list[Level]:
+    """The grid and ever coarser ones, down to where no direction can be coarsened.
+
+    Where cells are needles, zebra lines do not smooth what changes along them: such a direction waits until the others
+    are as coarse (semi-coarsening).
+    """
+    x = np.ascontiguousarray(np.moveaxis(points, -1, 0))
+    rates = np.empty((3, 0, 0, 0)) if control is None else np.moveaxis(control, -1, 0)
+    sign = _orientation(x)
+    levels = [_Space(x, rates, sign, workers)]
+    strength = levels[0].couplings()
+    while True:
+        cells = np.array(levels[-1].x.shape[1:]) - 1
+        can = np.array([coarser(n) < n for n in cells])
+        if not can.any():
+            return levels
+        chosen = can & (strength >= WEAK * strength[can].max())
+        lines = tuple(Line(int(n), coarser(int(n)) if yes else int(n)) for n, yes in zip(cells, chosen, strict=True))
+        transfer = Transfer(lines, workers)
+        levels[-1].transfer = transfer
+        if control is not None:
+            # What grows by a rate each cell grows by a multiple each coarse one.
+            ratio = np.array([line.fine / line.coarse for line in lines]).reshape(3, 1, 1, 1)
+            growth = transfer.averaged(2 * np.arctanh(np.ascontiguousarray(rates) / 2)) * ratio
+            rates = 2 * np.tanh(growth / 2)
+        levels.append(_Space(transfer.sampled(levels[-1].x), rates, sign, workers))
+        strength = strength / np.where(chosen, 4.0, 1.0)
+
+
+def _first(levels: list[Level]) -> int:
+    """The coarsest level with `FIRST_CELLS` cells, or as many as there are, in each direction."""
+    least = np.minimum(FIRST_CELLS + 1, levels[0].x.shape[1:])
+    return max(k for k, level in enumerate(levels) if (np.array(level.x.shape[1:]) >= least).all())
+
+
+def _orientation(x: np.ndarray) -> float:
+    """1 if the block is right-handed, -1 if left-handed: the sign of most of its volume."""
+    edges = [np.diff(x, axis=d)[tuple([slice(None)] + [slice(None, n - 1) for n in x.shape[1:]])] for d in (1, 2, 3)]
+    volume = np.einsum("qijk,qijk->", np.cross(edges[0], edges[1], axis=0), edges[2])
+    return 1.0 if volume >= 0 else -1.0
