@@ -1,1 +1,1 @@
-"""Geometry beneath the generators: exact predicates and curves."""
+"""Geometry beneath the generators: exact predicates, curves and surfaces."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -125,3 +126,30 @@ class Transfer:
 
         self.workers.run(combine, 0, len(flat), share=out.size > SMALL)
         return out
+
+
+def coarsened(shape: Sequence[int], chosen: Sequence[bool] | None = None) -> tuple[Line, ...]:
+    """The lines to a grid with half the cells in all directions, or the chosen ones; empty if none can be coarsened.
+
+    Examples
+    --------
+    >>> coarsened((65, 11))
+    (Line(fine=64, coarse=32), Line(fine=10, coarse=10))
+    >>> coarsened((9, 11))
+    ()
+    """
+    cells = [n - 1 for n in shape]
+    chosen = [True] * len(cells) if chosen is None else chosen
+    lines = tuple(Line(n, coarser(n) if yes else n) for n, yes in zip(cells, chosen, strict=True))
+    return lines if any(line.coarse < line.fine for line in lines) else ()
+
+
+def growth_on_coarse(transfer: Transfer, rates: np.ndarray) -> np.ndarray:
+    """(m, *coarse shape) control functions on the coarse grid: what grows by a rate a cell grows by a multiple there.
+
+    A rate P between -2 and 2 means that spacing grows by ``exp(-2 artanh(P / 2))`` from one cell to the next; so it
+    stays between them, and each line's equations stay monotone, on all grids.
+    """
+    ratio = np.array([line.fine / line.coarse for line in transfer.lines])
+    growth = transfer.averaged(2 * np.arctanh(rates / 2)) * ratio.reshape(-1, *[1] * len(ratio))
+    return 2 * np.tanh(growth / 2)

@@ -10,7 +10,7 @@ from ..progress import Progress, silent
 from ..threads import Workers, available_threads
 from . import _winslow_3d_kernels as kernels
 from .multigrid import Level, Outcome, solve
-from .transfer import SMALL, Line, Transfer, coarser
+from .transfer import SMALL, Transfer, coarsened, coarser, growth_on_coarse
 
 WEAK = 0.3
 """A direction whose coupling is less than this part of the strongest is not coarsened yet."""
@@ -157,26 +157,22 @@ def _levels(points: np.ndarray, control: np.ndarray | None, workers: Workers) ->
     are as coarse (semi-coarsening).
     """
     x = np.ascontiguousarray(np.moveaxis(points, -1, 0))
-    rates = np.empty((3, 0, 0, 0)) if control is None else np.moveaxis(control, -1, 0)
+    rates = np.empty((3, 0, 0, 0)) if control is None else np.ascontiguousarray(np.moveaxis(control, -1, 0))
     sign = _orientation(x)
-    levels = [_Space(x, rates, sign, workers)]
-    strength = levels[0].couplings()
-    while True:
-        cells = np.array(levels[-1].x.shape[1:]) - 1
-        can = np.array([coarser(n) < n for n in cells])
-        if not can.any():
-            return levels
-        chosen = can & (strength >= WEAK * strength[can].max())
-        lines = tuple(Line(int(n), coarser(int(n)) if yes else int(n)) for n, yes in zip(cells, chosen, strict=True))
-        transfer = Transfer(lines, workers)
-        levels[-1].transfer = transfer
-        if control is not None:
-            # What grows by a rate each cell grows by a multiple each coarse one.
-            ratio = np.array([line.fine / line.coarse for line in lines]).reshape(3, 1, 1, 1)
-            growth = transfer.averaged(2 * np.arctanh(np.ascontiguousarray(rates) / 2)) * ratio
-            rates = 2 * np.tanh(growth / 2)
+    levels: list[Level] = [_Space(x, rates, sign, workers)]
+    strength = levels[0].couplings()  # type: ignore[attr-defined]
+    while lines := coarsened(levels[-1].x.shape[1:], _strong(levels[-1].x.shape[1:], strength)):
+        transfer = levels[-1].transfer = Transfer(lines, workers)
+        rates = rates if control is None else growth_on_coarse(transfer, rates)
         levels.append(_Space(transfer.sampled(levels[-1].x), rates, sign, workers))
-        strength = strength / np.where(chosen, 4.0, 1.0)
+        strength = strength / [4.0 if line.coarse < line.fine else 1.0 for line in lines]
+    return levels
+
+
+def _strong(shape: tuple[int, ...], strength: np.ndarray) -> np.ndarray:
+    """(3,) bool: directions whose coupling is not weak beside that of others that can be coarsened."""
+    can = np.array([coarser(n - 1) < n - 1 for n in shape])
+    return can & (strength >= WEAK * strength[can].max(initial=0.0))
 
 
 def _first(levels: list[Level]) -> int:
