@@ -38,29 +38,48 @@ def combine(source, index, weight, factor, add, target, first, stop):
 
 
 @kernel
-def products(change, history, count, first, stop, sums):
-    """``sums[k, h]``: product of chunk k of ``change`` with that of each of the first ``count`` vectors.
+def remember(x, before, change, last, changes, steps, slot, first, stop):
+    """How a step from ``before`` to x, and its result, differ from those of the step before it: kept in the slot.
 
-    Summed in `LANES` parts, so that machine code adds several numbers at once and still always in the same order.
+    ``change`` and ``last`` hold the former step's change and result, and then this one's. In chunks first..stop.
     """
-    n = len(change)
-    lanes = np.zeros(LANES)
-    for k in range(first, stop):
-        for h in range(count):
-            lanes[:] = 0.0
-            end = min((k + 1) * CHUNK, n)
-            for i in range(k * CHUNK, end, LANES):
-                for t in range(min(LANES, end - i)):
-                    lanes[U(t)] += change[U(i) + U(t)] * history[U(h), U(i) + U(t)]
-            sums[k, h] = lanes.sum()
+    for i in range(first * CHUNK, min(stop * CHUNK, len(x))):
+        k = U(i)
+        new = x[k] - before[k]
+        changes[U(slot), k] = new - change[k]
+        steps[U(slot), k] = x[k] - last[k]
+        change[k] = new
+        last[k] = x[k]
 
 
 @kernel
-def subtract(x, history, factors, first, stop):
-    """``x -= factors @ history`` in the chunks first..stop."""
+def products(changes, count, slot, change, lanes, sums, first, stop):
+    """``sums[k]``: products of each of ``count`` remembered changes with that in the slot, and then with ``change``.
+
+    Over chunk k alone, and in `LANES` parts: so machine code adds several numbers at once, always in the same order.
+    """
+    n = len(change)
+    for k in range(first, stop):
+        end = min((k + 1) * CHUNK, n)
+        for h in range(count):
+            lanes[:] = 0.0
+            for i in range(k * CHUNK, end, LANES):
+                for t in range(min(LANES, end - i)):
+                    lanes[0, U(t)] += changes[U(h), U(i) + U(t)] * changes[U(slot), U(i) + U(t)]
+                    lanes[1, U(t)] += changes[U(h), U(i) + U(t)] * change[U(i) + U(t)]
+            for half in range(2):
+                total = 0.0
+                for t in range(LANES):
+                    total += lanes[U(half), U(t)]
+                sums[k, half, h] = total
+
+
+@kernel
+def subtract(x, steps, factors, first, stop):
+    """``x -= factors @ steps`` in the chunks first..stop."""
     n = len(x)
     for k in range(first, stop):
         for h in range(len(factors)):
-            factor = factors[h]
+            factor = factors[U(h)]
             for i in range(k * CHUNK, min((k + 1) * CHUNK, n)):
-                x[U(i)] -= factor * history[U(h), U(i)]
+                x[U(i)] -= factor * steps[U(h), U(i)]

@@ -142,8 +142,8 @@ class Anderson:
     """
 
     def __init__(self, size: int, workers: Workers, depth: int = DEPTH):
-        self._changes = np.zeros((depth, size), np.float32)  # they steer only: rough numbers, half the memory
-        self._steps = np.zeros((depth, size), np.float32)
+        self._change, self._last = np.zeros((2, size))
+        self._changes, self._steps = np.zeros((2, depth, size), np.float32)  # they steer only: rough, half the memory
         self._gram = np.zeros((depth, depth))
         self._workers = workers
         self._chunks = -(-size // kernels.CHUNK)
@@ -151,36 +151,28 @@ class Anderson:
 
     def forget(self) -> None:
         """Begin anew."""
-        self._count = 0
-        self._last: tuple[np.ndarray, np.ndarray] | None = None
+        self._taken = 0
 
     def accelerate(self, before: np.ndarray, after: np.ndarray) -> None:
         """Improve ``after``, what a step made of ``before``; both flat."""
-        change = after - before
-        if self._last is not None:
-            self._remember(change - self._last[0], after - self._last[1])
-        self._last = change, after.copy()
-        if used := min(self._count, len(self._steps)):
+        depth = len(self._gram)
+        slot = (self._taken - 1) % depth  # the first step differs from none: its slot is the first to be used again
+        state = after, before, self._change, self._last, self._changes, self._steps, slot
+        self._workers.run(partial(kernels.remember, *state), 0, self._chunks)
+        if used := min(self._taken, depth):
+            sums = np.zeros((self._chunks, 2, used))
+            self._workers.run(partial(self._add_up, slot, sums), 0, self._chunks)
+            self._gram[slot, :used], right = sums.sum(axis=0)
+            self._gram[:used, slot] = self._gram[slot, :used]
             scale = 1 / np.sqrt(np.maximum(np.diag(self._gram)[:used], TINY))
             gram = self._gram[:used, :used] * scale[:, None] * scale
-            factors = scale * np.linalg.lstsq(gram, scale * self._products(change, used), rcond=1e-10)[0]
+            factors = scale * np.linalg.lstsq(gram, scale * right, rcond=1e-10)[0]
             self._workers.run(partial(kernels.subtract, after, self._steps, factors), 0, self._chunks)
+        self._taken += 1
 
-    def _remember(self, change: np.ndarray, step: np.ndarray) -> None:
-        place = self._count % len(self._steps)
-        self._changes[place], self._steps[place] = change, step
-        self._count += 1
-        used = min(self._count, len(self._steps))
-        self._gram[place, :used] = self._gram[:used, place] = self._products(change, used)
-
-    def _products(self, change: np.ndarray, count: int) -> np.ndarray:
-        sums = np.zeros((self._chunks, count))
-
-        def add_up(first: int, stop: int) -> None:
-            kernels.products(change, self._changes, count, first, stop, sums)
-
-        self._workers.run(add_up, 0, self._chunks)
-        return sums.sum(axis=0)
+    def _add_up(self, slot: int, sums: np.ndarray, first: int, stop: int) -> None:
+        lanes = np.zeros((2, kernels.LANES))
+        kernels.products(self._changes, sums.shape[2], slot, self._change, lanes, sums, first, stop)
 
 
 def solve(

@@ -144,12 +144,7 @@ def coarsened(shape: Sequence[int], chosen: Sequence[bool] | None = None) -> tup
     return lines if any(line.coarse < line.fine for line in lines) else ()
 
 
-def growth_on_coarse(transfer: Transfer, rates: np.ndarray) -> np.ndarray:
-    """(m, *coarse shape) control functions on the coarse grid: what grows by a rate a cell grows by a multiple there.
-
-    A rate P between -2 and 2 means that spacing grows by ``exp(-2 artanh(P / 2))`` from one cell to the next; so it
-    stays between them, and each line's equations stay monotone, on all grids.
-    """
+def growth_on_coarse(transfer: Transfer, growth: np.ndarray) -> np.ndarray:
+    """(m, *coarse shape) logarithms of growth on the coarse grid: of that over a coarse cell."""
     ratio = np.array([line.fine / line.coarse for line in transfer.lines])
-    growth = transfer.averaged(2 * np.arctanh(rates / 2)) * ratio.reshape(-1, *[1] * len(ratio))
-    return 2 * np.tanh(growth / 2)
+    return transfer.averaged(growth) * ratio.reshape(-1, *[1] * len(ratio))

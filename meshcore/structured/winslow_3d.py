@@ -22,7 +22,7 @@ _NONE = np.zeros(0)
 def solved(
     points: np.ndarray,
     *,
-    control: np.ndarray | None = None,
+    growth: np.ndarray | None = None,
     tolerance: float | None = None,
     most: int = 50,
     threads: int | None = None,
@@ -34,9 +34,10 @@ def solved(
     ----------
     points : (ni, nj, nk, 3) float
         A start, whose boundary is kept to the last bit.
-    control : (ni, nj, nk, 3) float, optional
-        Control functions P, Q, R in index units, between -2 and 2: with P, spacing in i falls by the factor
-        ``(1 - P / 2) / (1 + P / 2)`` from one cell to the next.
+    growth : (3, ni, nj, nk) float, optional
+        Control functions along i, j and k, as logarithms of the growth from one cell to the next: theta makes cells
+        along a straight line grow by exp(theta), with the control function -2 tanh(theta / 2) in index units. By
+        default there are none: Laplace.
     tolerance : float, optional
         Residual to reach, as part of the start's; by default the grid is within a thousandth of the local spacing
         of the converged one.
@@ -67,7 +68,7 @@ def solved(
     centre, size = points.reshape(-1, 3).mean(axis=0), float(np.ptp(points.reshape(-1, 3), axis=0).max())
     size = size or 1.0
     with Workers(threads or available_threads()) as workers:
-        levels = _levels((points - centre) / size, control, workers)
+        levels = _levels((points - centre) / size, growth, workers)
         outcome = solve(
             levels, first=_first(levels), tolerance=tolerance, most=most, workers=workers, progress=progress
         )
@@ -80,12 +81,12 @@ def solved(
 class _Space(Level):
     """One grid of a block: x and f of shape (3, ni, nj, nk)."""
 
-    def __init__(self, x: np.ndarray, control: np.ndarray, sign: float, workers: Workers):
+    def __init__(self, x: np.ndarray, growth: np.ndarray, sign: float, workers: Workers):
         self.x = np.ascontiguousarray(x)
         self.f = np.zeros_like(self.x)
         self.transfer = None
         self._defect: np.ndarray | None = None
-        self._control, self._sign, self._workers = np.ascontiguousarray(control).reshape(-1), sign, workers
+        self._control, self._sign, self._workers = -2 * np.tanh(growth.reshape(-1) / 2), sign, workers
         self._shape = self.x.shape[1:]
         self._flat = self.x.reshape(-1), self.f.reshape(-1), self._control, self._shape
 
@@ -150,21 +151,21 @@ def _row() -> np.ndarray:
     return np.empty(kernels.FIELDS * kernels.LINES)
 
 
-def _levels(points: np.ndarray, control: np.ndarray | None, workers: Workers) -> list[Level]:
+def _levels(points: np.ndarray, growth: np.ndarray | None, workers: Workers) -> list[Level]:
     """The grid and ever coarser ones, down to where no direction can be coarsened.
 
     Where cells are needles, zebra lines do not smooth what changes along them: such a direction waits until the others
     are as coarse (semi-coarsening).
     """
     x = np.ascontiguousarray(np.moveaxis(points, -1, 0))
-    rates = np.empty((3, 0, 0, 0)) if control is None else np.ascontiguousarray(np.moveaxis(control, -1, 0))
+    theta = np.empty((3, 0, 0, 0)) if growth is None else growth
     sign = _orientation(x)
-    levels: list[Level] = [_Space(x, rates, sign, workers)]
+    levels: list[Level] = [_Space(x, theta, sign, workers)]
     strength = levels[0].couplings()  # type: ignore[attr-defined]
     while lines := coarsened(levels[-1].x.shape[1:], _strong(levels[-1].x.shape[1:], strength)):
         transfer = levels[-1].transfer = Transfer(lines, workers)
-        rates = rates if control is None else growth_on_coarse(transfer, rates)
-        levels.append(_Space(transfer.sampled(levels[-1].x), rates, sign, workers))
+        theta = theta if growth is None else growth_on_coarse(transfer, theta)
+        levels.append(_Space(transfer.sampled(levels[-1].x), theta, sign, workers))
         strength = strength / [4.0 if line.coarse < line.fine else 1.0 for line in lines]
     return levels
 

@@ -20,7 +20,7 @@ def solved(
     surface: Surface,
     parameters: np.ndarray,
     *,
-    control: np.ndarray | None = None,
+    growth: np.ndarray | None = None,
     tolerance: float | None = None,
     most: int = 50,
     progress: Progress = silent,
@@ -36,8 +36,10 @@ def solved(
         Where the points lie; (u, v) to points must be one to one, but for a boundary that is one point.
     parameters : (ni, nj, 2) float
         A start in (u, v), whose boundary is kept.
-    control : (ni, nj, 2) float, optional
-        Control functions P, Q in index units, as for blocks.
+    growth : (2, ni, nj) float, optional
+        Control functions along i and j, as logarithms of the growth from one cell to the next: theta makes cells along
+        a straight line grow by exp(theta), with the control function -2 tanh(theta / 2) in index units. By default
+        there are none: Laplace.
     tolerance : float, optional
         Residual to reach, as part of the start's; by default the grid is within a thousandth of the local spacing
         of the converged one.
@@ -66,7 +68,7 @@ def solved(
     if min(parameters.shape[:2]) < 3:
         return parameters.copy(), Outcome([0.0], True, 0.0)
     with Workers(1) as workers:
-        levels = _levels(surface, parameters, control, workers)
+        levels = _levels(surface, parameters, growth, workers)
         least = np.minimum(FIRST_CELLS + 1, parameters.shape[:2])
         first = max(k for k, level in enumerate(levels) if (np.array(level.x.shape[1:]) >= least).all())
         outcome = solve(levels, first=first, tolerance=tolerance, most=most, workers=workers, progress=progress)
@@ -78,11 +80,11 @@ def solved(
 class _Patch(Level):
     """One grid on the surface: x and f of shape (2, ni, nj), and the points and tangents that belong to x."""
 
-    def __init__(self, surface: Surface, size: float, x: np.ndarray, control: np.ndarray, sign: float):
+    def __init__(self, surface: Surface, size: float, x: np.ndarray, growth: np.ndarray, sign: float):
         self.x = np.ascontiguousarray(x)
         self.f = np.zeros_like(self.x)
         self._surface, self._size, self._sign = surface, size, sign
-        self._control = np.ascontiguousarray(control).reshape(-1)
+        self._control = -2 * np.tanh(growth.reshape(-1) / 2)
         self._shape = self.x.shape[1:]
         self._defect = np.zeros_like(self.x)
         self._line = np.empty((3, max(self._shape)))
@@ -141,15 +143,15 @@ def corner_areas(plane: np.ndarray) -> np.ndarray:
     )
 
 
-def _levels(surface: Surface, parameters: np.ndarray, control: np.ndarray | None, workers: Workers) -> list[Level]:
+def _levels(surface: Surface, parameters: np.ndarray, growth: np.ndarray | None, workers: Workers) -> list[Level]:
     """The grid and ever coarser ones, down to where no direction can be coarsened."""
     x = np.ascontiguousarray(np.moveaxis(parameters, -1, 0))
-    rates = np.empty((2, 0, 0)) if control is None else np.ascontiguousarray(np.moveaxis(control, -1, 0))
+    theta = np.empty((2, 0, 0)) if growth is None else growth
     size = float(np.ptp(surface.points(*x).reshape(-1, 3), axis=0).max()) or 1.0
     sign = 1.0 if corner_areas(parameters).sum() >= 0 else -1.0
-    levels: list[Level] = [_Patch(surface, size, x, rates, sign)]
+    levels: list[Level] = [_Patch(surface, size, x, theta, sign)]
     while lines := coarsened(levels[-1].x.shape[1:]):
         transfer = levels[-1].transfer = Transfer(lines, workers)
-        rates = rates if control is None else growth_on_coarse(transfer, rates)
-        levels.append(_Patch(surface, size, transfer.sampled(levels[-1].x), rates, sign))
+        theta = theta if growth is None else growth_on_coarse(transfer, theta)
+        levels.append(_Patch(surface, size, transfer.sampled(levels[-1].x), theta, sign))
     return levels

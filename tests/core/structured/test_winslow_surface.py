@@ -134,9 +134,10 @@ def test_constant_control_gives_a_geometric_law():
     exact = np.stack(np.meshgrid(np.linspace(0, 1, 16), lengths / lengths[-1], indexing="ij"), axis=-1)
     start = exact.copy()
     start[1:-1, 1:-1] += 0.01
-    control = np.broadcast_to([0, 2 * (1 - ratio) / (1 + ratio)], start.shape)
+    growth = np.zeros((2, *start.shape[:2]))
+    growth[1] = np.log(ratio)
     plane = ParametricSurface(lambda u, v: np.stack([u, v, 0 * u], axis=-1))
-    found, outcome = solved(plane, start, control=control, tolerance=1e-11)
+    found, outcome = solved(plane, start, growth=growth, tolerance=1e-11)
     assert outcome.converged
     np.testing.assert_allclose(found, exact, atol=1e-9)
 
