@@ -12,6 +12,7 @@ from .progress import Progress, silent
 from .report import Report, Result
 from .sizing import discretised
 from .structured import Attractor, Wall, elliptic, elliptically_smoothed, o_grid, transfinite, transfinite_volume
+from .structured import elliptic_volume, o_grid, transfinite, transfinite_volume
 from .unstructured import (
     Tetrahedralization,
     Triangulation,
@@ -52,6 +53,7 @@ __all__ = [
     "discretised",
     "elliptic",
     "elliptically_smoothed",
+    "elliptic_volume",
     "io",
     "locate",
     "o_grid",

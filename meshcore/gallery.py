@@ -204,6 +204,20 @@ def triangulated_square(n: int = 4) -> Mesh:
     return Mesh(np.column_stack([x, y]), {"triangle": np.concatenate([lower, upper])}, point_data={"front": front})
 
 
+def dented_box(n: int = 8, *, depth: float = 0.3) -> Mesh:
+    """Surface of a unit cube of ``n`` quads a side whose top is dented, as a closed cage of "quad" cells.
+
+    Examples
+    --------
+    >>> dented_box(4)
+    Mesh(98 points, 96 quad)
+    """
+    points = np.stack(np.meshgrid(*[np.linspace(0, 1, n + 1)] * 3, indexing="ij"), axis=-1)
+    top = points[:, :, -1]
+    top[..., 2] -= depth * (np.sin(np.pi * top[..., 0]) * np.sin(np.pi * top[..., 1])) ** 2
+    return StructuredGrid(points).to_mesh().boundary.compacted()
+
+
 def sunflower(n: int = 60) -> Mesh:
     """``n`` points in the unit disk as the seeds of a sunflower stand, turned by the golden angle, as "vertex" cells.
 
@@ -248,6 +262,7 @@ def arguments(identifier: str) -> tuple[tuple[Any, ...], dict[str, Any]]:
     """
     calls: dict[str, tuple[tuple[Any, ...], dict[str, Any]]] = {
         "o_grid": ((airfoil("naca0012"),), {"radius": 4.0, "first_height": 0.01, "growth": 1.3}),
+        "elliptic_volume": ((dented_box(),), {}),
         "transfinite": (tuple(lines_through(side) for side in wavy_sides()), {}),
         "transfinite_volume": ((twisted_cage(),), {}),
         "elliptic": (tuple(lines_through(side) for side in wavy_sides()), {}),

@@ -1,8 +1,10 @@
 """Structured grids: transfinite interpolation, elliptic equations, block topologies, and operators on curved grids."""
+"""Structured grids: transfinite interpolation, elliptic generation, block topologies, and operators on curved grids."""
 
 from .control_functions import Attractor
 from .curvilinear import Curvilinear
 from .elliptic import elliptic, elliptically_smoothed
+from .elliptic_volume import elliptic_volume
 from .finite_volumes import FiniteVolumes
 from .metrics import Metrics
 from .topologies import o_grid
@@ -22,3 +24,4 @@ __all__ = [
     "transfinite",
     "transfinite_volume",
 ]
+__all__ = ["Curvilinear", "FiniteVolumes", "Metrics", "elliptic_volume", "o_grid", "transfinite", "transfinite_volume"]

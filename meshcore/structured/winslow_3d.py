@@ -78,6 +78,21 @@ def solved(
     return new, outcome
 
 
+def count_folded(points: np.ndarray) -> int:
+    """Number of cells of a right-handed block with a corner whose Jacobian is not positive.
+
+    Examples
+    --------
+    >>> box = np.stack(np.meshgrid(*[np.arange(3.0)] * 3, indexing="ij"), axis=-1)
+    >>> count_folded(box), count_folded(box[::-1])
+    (0, 8)
+    """
+    folded = np.zeros(len(points), np.int64)
+    x = np.ascontiguousarray(np.moveaxis(points, -1, 0)).reshape(-1)
+    kernels.count_folded(x, points.shape[:3], 1.0, 0, len(points) - 1, folded)
+    return int(folded.sum())
+
+
 class _Space(Level):
     """One grid of a block: x and f of shape (3, ni, nj, nk)."""
 
@@ -138,10 +153,10 @@ class _Space(Level):
         return float(moves.max())
 
     def couplings(self) -> np.ndarray:
-        """(3,) mean parts that the directions have in the equations' diagonal."""
+        """(3,) how strongly the equations couple nodes along each direction, summed over all nodes."""
         shares = np.zeros((self._shape[0], 3))
         kernels.couplings(*self._flat, 1, self._shape[0] - 1, _row(), shares)
-        return shares.sum(axis=0) / shares.sum()
+        return shares.sum(axis=0)
 
     def _run(self, work, start: int, stop: int) -> None:
         self._workers.run(work, start, stop, share=self.x.size > SMALL)
@@ -159,7 +174,7 @@ def _levels(points: np.ndarray, growth: np.ndarray | None, workers: Workers) -> 
     """
     x = np.ascontiguousarray(np.moveaxis(points, -1, 0))
     theta = np.empty((3, 0, 0, 0)) if growth is None else growth
-    sign = _orientation(x)
+    sign = orientation(x)
     levels: list[Level] = [_Space(x, theta, sign, workers)]
     strength = levels[0].couplings()  # type: ignore[attr-defined]
     while lines := coarsened(levels[-1].x.shape[1:], _strong(levels[-1].x.shape[1:], strength)):
@@ -182,7 +197,7 @@ def _first(levels: list[Level]) -> int:
     return max(k for k, level in enumerate(levels) if (np.array(level.x.shape[1:]) >= least).all())
 
 
-def _orientation(x: np.ndarray) -> float:
+def orientation(x: np.ndarray) -> float:
     """1 if the block is right-handed, -1 if left-handed: the sign of most of its volume."""
     edges = [np.diff(x, axis=d)[tuple([slice(None)] + [slice(None, n - 1) for n in x.shape[1:]])] for d in (1, 2, 3)]
     volume = np.einsum("qijk,qijk->", np.cross(edges[0], edges[1], axis=0), edges[2])
