@@ -215,7 +215,8 @@ def dented_box(n: int = 8, *, depth: float = 0.3) -> Mesh:
     points = np.stack(np.meshgrid(*[np.linspace(0, 1, n + 1)] * 3, indexing="ij"), axis=-1)
     top = points[:, :, -1]
     top[..., 2] -= depth * (np.sin(np.pi * top[..., 0]) * np.sin(np.pi * top[..., 1])) ** 2
-    return StructuredGrid(points).to_mesh().boundary.compacted()
+    surface = StructuredGrid(points).to_mesh().boundary
+    return Mesh(surface.points, surface.cells).compacted()
 
 
 def sunflower(n: int = 60) -> Mesh:

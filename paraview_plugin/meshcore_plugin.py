@@ -805,6 +805,13 @@ def vtk_type_of(content):
     <Documentation short_help="Elliptic Grid">Fill a planar four-sided patch with a smooth grid by the elliptic
     equations.</Documentation>
     <InputProperty name="Input" label="South" port_index="0" command="SetInputConnection">
+@smproxy.filter(name="meshcoreEllipticVolume", label="meshcore Elliptic Volume", support_reload=False)
+@smhint.xml('<ShowInMenu category="meshcore"/>')
+@smproperty.xml(
+    """
+    <Documentation short_help="Elliptic Volume">Fill a block with a smooth grid by the elliptic equations, or smooth
+    the grid that it has.</Documentation>
+    <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
       <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
       <DataTypeDomain name="input_type" composite_data_supported="0">
         <DataType value="vtkDataSet"/>
@@ -996,6 +1003,54 @@ class meshcoreEllipticGrid(Operation):
 
     def SetTolerance(self, value):
         self.set("tolerance", value if value >= 0 else BY_DEFAULT)
+      <Documentation>A block: closed cage of quads in rows and columns, or hexahedra.</Documentation>
+    </InputProperty>
+    <IntVectorProperty name="Control" label="Control" command="SetControl" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="none"/><Entry value="1" text="boundary spacing"/></EnumerationDomain>
+      <Documentation>Whether the boundary's spacing is carried inside, or Laplace's equation evens it
+      out.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="Faces" label="Faces" command="SetFaces" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="kept"/><Entry value="1" text="smoothed"/></EnumerationDomain>
+      <Documentation>Whether the points of the six faces stay, or are first smoothed on the surfaces through
+      them.</Documentation>
+    </IntVectorProperty>
+    <DoubleVectorProperty name="Tolerance" label="Tolerance" command="SetTolerance" number_of_elements="1" default_values="0" panel_visibility="advanced">
+      <DoubleRangeDomain name="range" min="0" max="1"/>
+      <Documentation>Residual to reach, as part of the start's; by default each point is within a thousandth of its
+      spacing; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <IntVectorProperty name="Cycles" label="Cycles" command="SetCycles" number_of_elements="1" default_values="50" panel_visibility="advanced">
+      <IntRangeDomain name="range" min="1" max="100"/>
+      <Documentation>Multigrid cycles at most.</Documentation>
+    </IntVectorProperty>
+    <PropertyGroup label="Parameters">
+      <Property name="Control"/>
+      <Property name="Faces"/>
+    </PropertyGroup>
+    <PropertyGroup label="Advanced">
+      <Property name="Tolerance"/>
+      <Property name="Cycles"/>
+    </PropertyGroup>
+    """
+)
+class meshcoreEllipticVolume(Operation):
+    operation = "elliptic_volume"
+    label = "meshcore Elliptic Volume"
+    ports = (("block", "mesh", False),)
+    output = "vtkStructuredGrid"
+
+    def SetControl(self, value):
+        self.set("control", ('none', 'boundary spacing')[value])
+
+    def SetFaces(self, value):
+        self.set("faces", ('kept', 'smoothed')[value])
+
+    def SetTolerance(self, value):
+        self.set("tolerance", value or None)
+
+    def SetCycles(self, value):
+        self.set("cycles", value)
 
 
 

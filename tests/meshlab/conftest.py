@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import tempfile
 from dataclasses import replace
 
 import numpy as np
 import pymeshlab
 import pytest
 
-from meshcore import Relative, gallery, operations
+from meshcore import Relative, gallery, io, operations
 
 
 def lines_layer(mesh):
