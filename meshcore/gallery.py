@@ -14,6 +14,7 @@ from .mesh import Mesh, StructuredGrid
 from .operation import operations
 from .progress import Progress, advance, part_of, silent
 from .sizing.around_loop import respaced_loop
+from .structured.boundary_growth import blended
 
 
 def square(n: int = 1, *, size: float = 1.0) -> Mesh:
@@ -204,8 +205,10 @@ def triangulated_square(n: int = 4) -> Mesh:
     return Mesh(np.column_stack([x, y]), {"triangle": np.concatenate([lower, upper])}, point_data={"front": front})
 
 
-def dented_box(n: int = 8, *, depth: float = 0.3) -> Mesh:
+def dented_box(n: int = 8, *, depth: float = 0.3, bulge: float = 0.0) -> Mesh:
     """Surface of a unit cube of ``n`` quads a side whose top is dented, as a closed cage of "quad" cells.
+
+    With a ``bulge``, from about 0.05 on, the dent is a bulb with a narrower neck.
 
     Examples
     --------
@@ -214,9 +217,32 @@ def dented_box(n: int = 8, *, depth: float = 0.3) -> Mesh:
     """
     points = np.stack(np.meshgrid(*[np.linspace(0, 1, n + 1)] * 3, indexing="ij"), axis=-1)
     top = points[:, :, -1]
-    top[..., 2] -= depth * (np.sin(np.pi * top[..., 0]) * np.sin(np.pi * top[..., 1])) ** 2
+    across = 2 * top[..., :2] - 1
+    radius = np.clip(np.linalg.norm(across, axis=-1), 1e-9, 1)
+    top[..., :2] += 0.5 * across * (2 * bulge * np.sin(2 * np.pi * radius) / radius)[..., None]
+    top[..., 2] -= depth * np.cos(np.pi * radius / 2) ** 2
     surface = StructuredGrid(points).to_mesh().boundary
     return Mesh(surface.points, surface.cells).compacted()
+
+
+def turbine_passage(n: int = 24, m: int = 48, layers: int = 20, *, twist: float = 70.0) -> StructuredGrid:
+    """Passage between two blades of a row: ``n`` cells across, ``m`` along the flow, from the hub outwards.
+
+    It is filled by linear transfinite interpolation, and turns by ``twist`` degrees from the hub to the tip.
+
+    Examples
+    --------
+    >>> turbine_passage(4, 6, 5)
+    StructuredGrid(5 x 7 x 6 points)
+    """
+    u, v, w = np.meshgrid(*(np.linspace(0, 1, cells + 1) for cells in (n, m, layers)), indexing="ij")
+    on_blade = np.clip((v - 0.25) / 0.5, 0, 1)
+    x = u - 0.5 + 0.8 * np.sin(0.5 * np.pi * on_blade) * (1 - 0.3 * w) + 0.2 * np.sin(np.pi * on_blade) * (1 - 2 * u)
+    y = 2.5 * (v - 0.5)
+    turn = np.radians(twist) * w
+    height = 1.5 * w + 0.15 * np.sin(np.pi * v) * (1 - w)
+    faces = np.stack([x * np.cos(turn) - y * np.sin(turn), x * np.sin(turn) + y * np.cos(turn), height], axis=-1)
+    return StructuredGrid(blended(faces, (0, 1, 2)))
 
 
 def sunflower(n: int = 60) -> Mesh:

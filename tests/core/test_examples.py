@@ -14,6 +14,7 @@ NUMBERS = {
     "background_of_an_earlier_computation": None,
     "chapter_4_h_refinement": None,
     "circumcentre_refinement": None,
+    "dented_box": 32**3,
     "figure_01_structured_and_unstructured": 24 * 12,
     "figure_02_two_block_grid": 2 * 40 * 24,
     "figure_04_mapping_of_boundaries": 25 * 13,
@@ -34,6 +35,7 @@ NUMBERS = {
     "moving_grid": 48 * 48,
     "passage_between_six_faces": 24 * 20 * 20,
     "surface_between_four_curves": 32 * 24,
+    "turbine_passage": 24 * 48 * 20,
 }
 
 
