@@ -69,8 +69,8 @@ def main() -> None:
     solved(passage(33), threads=2)  # compiles
     print_heading(
         "Elliptic grids in space: a twisted passage from transfinite interpolation",
-        "Microseconds a point: of the processor on one thread, on the wall on two; medians, alternately in one process. "
-        "Residuals are parts of the start's; interpolation is numpy's Boolean sum of the same block.",
+        "Microseconds a point: of the processor on one thread, on the wall on two; medians, alternately in one "
+        "process. Residuals are parts of the start's; interpolation is numpy's Boolean sum of the same block.",
     )
     print_row("case", "goal", "cycles", "residual", "one thread", "two threads", "/ interpolation", "folded", head=True)
     for n in sizes:

@@ -21,7 +21,7 @@ import numpy as np
 from .._numba import kernel
 
 U = np.uint64
-LINES = 32
+LINES = 64
 FIELDS = 7
 _ROW = U(LINES)
 _DEFECT = U(3 * LINES)
@@ -148,7 +148,8 @@ def substitute(x, v, count, m, at, n, along, aside):
 def relax_across(x, f, control, shape, axis, parity, first, stop, v):
     """Zebra lines along a (axis 0) or b (axis 1) in the slices ``1 + parity + 2 k`` of the other, k in first..stop.
 
-    Nodes of the same colour in c are c = 1, 3, ... and 2, 4, ...; v needs room for `LINES` lines.
+    In c, c = 1, 3, ... come before 2, 4, ..., in strips of 2 `LINES`, while their nodes are in the cache. v needs room
+    for `LINES` lines.
     """
     n = shape[0] * shape[1] * shape[2]
     sa = shape[1] * shape[2]
@@ -158,8 +159,8 @@ def relax_across(x, f, control, shape, axis, parity, first, stop, v):
     count = shape[axis] - 2
     v[:_STEP] = 0.0
     for k in range(first, stop):
-        for colour in range(2):
-            for c in range(1 + colour, shape[2] - 1, 2 * LINES):
+        for start in range(1, shape[2] - 1, 2 * LINES):
+            for c in range(start, min(start + 2, shape[2] - 1)):
                 m = min(LINES, (shape[2] - c) // 2)
                 at = (1 + parity + 2 * k) * across + c
                 for l in range(1, count + 1):
@@ -177,10 +178,10 @@ def relax_along(x, f, control, shape, parity, first, stop, row, v):
     count = shape[2] - 2
     v[:_STEP] = 0.0
     for k in range(first, stop):
-        for b in range(1, 3):
-            for start in range(b, shape[1] - 1, 2 * LINES):
-                m = min(LINES, (shape[1] - start) // 2)
-                at = (1 + parity + 2 * k) * sa + start * sb
+        for start in range(1, shape[1] - 1, 2 * LINES):
+            for b in range(start, min(start + 2, shape[1] - 1)):
+                m = min(LINES, (shape[1] - b) // 2)
+                at = (1 + parity + 2 * k) * sa + b * sb
                 for t in range(m):
                     for c in range(1, shape[2] - 1, LINES):
                         length = min(LINES, shape[2] - 1 - c)

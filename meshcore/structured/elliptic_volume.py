@@ -146,7 +146,7 @@ def _as_block(block: Mesh | StructuredGrid) -> StructuredGrid:
         raise InvalidInput(f"is a surface, {block!r}; give a grid of two or more layers of points", parameter="block")
     ni, nj, nk = block.shape
     check_size(ni * nj, nk, parameter="block")
-    if winslow_3d.orientation(np.moveaxis(block.points, -1, 0)) > 0:
+    if not winslow_3d.is_left_handed(block.points):
         return block
     names = {"imin": "imax", "imax": "imin"}
     return replace(

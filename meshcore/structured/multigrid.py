@@ -29,6 +29,8 @@ ROUNDING = 1e-15
 PATIENCE = 5
 """Cycles that may pass without the residual being halved."""
 TINY = 1e-300
+MIXED_FROM = 3
+"""Cycle from which is accelerated, if the grid need only be close: most are done by then, and remembering costs."""
 CLOSE = 1e-3
 """Distance from the converged grid, in local spacings, at which the default stops."""
 
@@ -139,10 +141,15 @@ class Anderson:
     """Acceleration of a fixed-point iteration by what earlier steps told.
 
     Each step ``g(x)`` becomes the combination of the last ones whose change ``g(x) - x`` is least.
+
+    Attributes
+    ----------
+    last : (size,) float
+        What the last step made, before it was improved.
     """
 
     def __init__(self, size: int, workers: Workers, depth: int = DEPTH):
-        self._change, self._last = np.zeros((2, size))
+        self._change, self.last = np.zeros((2, size))
         self._changes, self._steps = np.zeros((2, depth, size), np.float32)  # they steer only: rough, half the memory
         self._gram = np.zeros((depth, depth))
         self._workers = workers
@@ -157,7 +164,7 @@ class Anderson:
         """Improve ``after``, what a step made of ``before``; both flat."""
         depth = len(self._gram)
         slot = (self._taken - 1) % depth  # the first step differs from none: its slot is the first to be used again
-        state = after, before, self._change, self._last, self._changes, self._steps, slot
+        state = after, before, self._change, self.last, self._changes, self._steps, slot
         self._workers.run(partial(kernels.remember, *state), 0, self._chunks)
         if used := min(self._taken, depth):
             sums = np.zeros((self._chunks, 2, used))
@@ -210,32 +217,33 @@ def solve(
     if outcome.residuals[-1] <= goal:
         outcome.converged, outcome.error = True, 0.0
     moves: list[float] = []
-    while not outcome.converged and len(moves) < most and not _stalled(outcome.residuals):
-        before = level.x.copy()
+    before = np.empty_like(level.x)
+    for number in range(most):
+        if outcome.converged or _stalled(outcome.residuals):
+            break
+        before[...] = level.x
         cycle(levels, 0, outcome)
         moves.append(level.largest_move(before))
-        residual = _accelerated(level, before, accelerator)
-        if not residual <= GROWTH * outcome.residuals[-1]:
-            residual = _relaxed(level, before, accelerator)
-        outcome.residuals.append(residual)
         outcome.error = _remaining(moves)
-        outcome.converged = (
-            outcome.error <= CLOSE if tolerance is None else residual <= tolerance * outcome.residuals[0]
-        )
-        advance(
-            progress, len(moves) / most, f"residual {residual / max(outcome.residuals[0], TINY):.1e} of the start's"
-        )
+        near = tolerance is None and outcome.error <= CLOSE
+        if not near and (tolerance is not None or number + 1 >= MIXED_FROM):
+            _accelerate(level, before, accelerator)
+        residual = level.residual()
+        if not residual <= GROWTH * outcome.residuals[-1]:
+            residual, near = _relaxed(level, before, accelerator), False
+        outcome.residuals.append(residual)
+        outcome.converged = near or residual <= goal
+        advance(progress, (number + 1) / most, f"cycle {number + 1}: residual {residual:.1e}")
     return outcome
 
 
-def _accelerated(level: Level, before: np.ndarray, accelerator: Anderson) -> float:
-    """Accelerate what a cycle made of ``before``, unless that folds further cells; the residual."""
-    plain, folded = level.x.copy(), level.folded()
-    accelerator.accelerate(before.ravel(), level.x.reshape(-1))
+def _accelerate(level: Level, before: np.ndarray, accelerator: Anderson) -> None:
+    """Accelerate what a cycle made of ``before``, unless that folds further cells."""
+    folded = level.folded()
+    accelerator.accelerate(before.reshape(-1), level.x.reshape(-1))
     if level.folded() > folded:
-        level.x[...] = plain
+        level.x[...] = accelerator.last.reshape(level.x.shape)
         accelerator.forget()
-    return level.residual()
 
 
 def _relaxed(level: Level, before: np.ndarray, accelerator: Anderson) -> float:

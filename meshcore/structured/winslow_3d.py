@@ -78,8 +78,8 @@ def solved(
     return new, outcome
 
 
-def count_folded(points: np.ndarray) -> int:
-    """Number of cells of a right-handed block with a corner whose Jacobian is not positive.
+def count_folded(points: np.ndarray, sign: float = 1.0) -> int:
+    """Number of cells of a block with a corner whose Jacobian, times ``sign``, is not positive.
 
     Examples
     --------
@@ -87,9 +87,24 @@ def count_folded(points: np.ndarray) -> int:
     >>> count_folded(box), count_folded(box[::-1])
     (0, 8)
     """
-    folded = np.zeros(len(points), np.int64)
-    x = np.ascontiguousarray(np.moveaxis(points, -1, 0)).reshape(-1)
-    kernels.count_folded(x, points.shape[:3], 1.0, 0, len(points) - 1, folded)
+    return _count(np.ascontiguousarray(np.moveaxis(points, -1, 0)), sign)
+
+
+def is_left_handed(points: np.ndarray) -> bool:
+    """Whether most cells of a block are left-handed.
+
+    Examples
+    --------
+    >>> box = np.stack(np.meshgrid(*[np.arange(3.0)] * 3, indexing="ij"), axis=-1)
+    >>> is_left_handed(box), is_left_handed(box[::-1])
+    (False, True)
+    """
+    return count_folded(points, -1.0) < count_folded(points)
+
+
+def _count(x: np.ndarray, sign: float) -> int:
+    folded = np.zeros(x.shape[1] - 1, np.int64)
+    kernels.count_folded(x.reshape(-1), x.shape[1:], sign, 0, len(folded), folded)
     return int(folded.sum())
 
 
@@ -174,7 +189,7 @@ def _levels(points: np.ndarray, growth: np.ndarray | None, workers: Workers) -> 
     """
     x = np.ascontiguousarray(np.moveaxis(points, -1, 0))
     theta = np.empty((3, 0, 0, 0)) if growth is None else growth
-    sign = orientation(x)
+    sign = -1.0 if _count(x, -1.0) < _count(x, 1.0) else 1.0
     levels: list[Level] = [_Space(x, theta, sign, workers)]
     strength = levels[0].couplings()  # type: ignore[attr-defined]
     while lines := coarsened(levels[-1].x.shape[1:], _strong(levels[-1].x.shape[1:], strength)):
@@ -195,10 +210,3 @@ def _first(levels: list[Level]) -> int:
     """The coarsest level with `FIRST_CELLS` cells, or as many as there are, in each direction."""
     least = np.minimum(FIRST_CELLS + 1, levels[0].x.shape[1:])
     return max(k for k, level in enumerate(levels) if (np.array(level.x.shape[1:]) >= least).all())
-
-
-def orientation(x: np.ndarray) -> float:
-    """1 if the block is right-handed, -1 if left-handed: the sign of most of its volume."""
-    edges = [np.diff(x, axis=d)[tuple([slice(None)] + [slice(None, n - 1) for n in x.shape[1:]])] for d in (1, 2, 3)]
-    volume = np.einsum("qijk,qijk->", np.cross(edges[0], edges[1], axis=0), edges[2])
-    return 1.0 if volume >= 0 else -1.0
