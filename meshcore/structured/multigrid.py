@@ -28,6 +28,8 @@ ROUNDING = 1e-15
 """A residual that is mere rounding, of a grid whose size is about one."""
 PATIENCE = 5
 """Cycles that may pass without the residual being halved."""
+DAMPED = 0.3
+"""Part of coarse corrections that is taken when whole ones do not help any more."""
 TINY = 1e-300
 MIXED_FROM = 3
 """Cycle from which is accelerated, if the grid need only be close: most are done by then, and remembering costs."""
@@ -90,8 +92,8 @@ class Outcome:
         return len(self.residuals) - 1
 
 
-def cycle(levels: list[Level], k: int, outcome: Outcome) -> None:
-    """One V(1, 1) cycle of the full approximation scheme from level k down."""
+def cycle(levels: list[Level], k: int, outcome: Outcome, step: float = 1.0) -> None:
+    """One V(1, 1) cycle of the full approximation scheme from level k down, that takes a part of all corrections."""
     level = levels[k]
     if level.transfer is None:
         for sweep in range(COARSEST_SWEEPS):
@@ -105,15 +107,14 @@ def cycle(levels: list[Level], k: int, outcome: Outcome) -> None:
     # f - N(x) without f is -N(x).
     right = level.transfer.scale * level.transfer.averaged(level.defect()) - coarse.defect()
     coarse.f[...] = right
-    cycle(levels, k + 1, outcome)
-    _correct(level, coarse.x - start, outcome)
+    cycle(levels, k + 1, outcome, step)
+    _correct(level, coarse.x - start, outcome, step)
     level.smooth(back=True)
 
 
-def _correct(level: Level, correction: np.ndarray, outcome: Outcome) -> None:
+def _correct(level: Level, correction: np.ndarray, outcome: Outcome, step: float = 1.0) -> None:
     """Add the coarse correction, less of it if it folds further cells."""
     before = level.folded()
-    step = 1.0
     level.transfer.add(correction, step, level.x)
     for _ in range(4):
         if level.folded() <= before:
@@ -218,11 +219,17 @@ def solve(
         outcome.converged, outcome.error = True, 0.0
     moves: list[float] = []
     before = np.empty_like(level.x)
+    step, since = 1.0, 0
     for number in range(most):
-        if outcome.converged or _stalled(outcome.residuals):
+        if outcome.converged:
             break
+        if _stalled(outcome.residuals[since:]):
+            if step < 1:
+                break
+            step, since = DAMPED, len(outcome.residuals) - 1
+            accelerator.forget()
         before[...] = level.x
-        cycle(levels, 0, outcome)
+        cycle(levels, 0, outcome, step)
         moves.append(level.largest_move(before))
         outcome.error = _remaining(moves)
         near = tolerance is None and outcome.error <= CLOSE

@@ -163,6 +163,19 @@ def test_a_folded_start_unfolds():
     np.testing.assert_allclose(found, exact, atol=1e-8)
 
 
+def test_a_rough_block_converges_by_shorter_corrections():
+    rng = np.random.default_rng(0)
+    centred = 2 * box(20, 20, 20) - 1
+    way = centred / np.maximum(np.linalg.norm(centred, axis=-1, keepdims=True), 1e-30)
+    size = 1 + sum(
+        0.35 * rng.normal() * np.sin(way @ rng.normal(size=3) * rng.uniform(2, 6) + rng.uniform(0, 6)) for _ in range(4)
+    )
+    start = naive.filled_box(centred * np.clip(size, 0.2, 3)[..., None])
+    _, outcome = solved(start, tolerance=1e-6, most=25)  # with whole corrections alone, the residual stays at 1e-3
+    assert outcome.converged
+    assert outcome.guarded > 0
+
+
 @pytest.mark.parametrize("cells", [(2, 2, 2), (2, 9, 40), (1, 5, 5), (3, 2, 65), (15, 16, 17)])
 def test_any_size_will_do(cells):
     exact = box(*cells)
