@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import replace
 from typing import Annotated, Literal, Union
 
 import numpy as np
 
 from ..errors import GenerationFailed, InvalidGeometry, InvalidInput
-from ..geometry.surfaces import SplineSurface
 from ..mesh import Mesh, StructuredGrid
 from ..operation import Param, Port, operation
 from ..progress import Progress, part_of, silent
-from ..quality import measure, summary, validate
+from ..quality import measure, summary
 from ..report import Report, Result
 from ..threads import checked_threads
 from . import winslow_3d, winslow_surface
-from .boundary_growth import blended, boundary_growth
+from .boundary_growth import LARGEST_GROWTH, blended, boundary_growth
 from .cage import block_of_cage
 from .limits import check_size
 
@@ -48,6 +48,7 @@ def elliptic_volume(
         ),
     ] = None,
     cycles: Annotated[int, Param("Multigrid cycles at most", min=1, soft_max=100, advanced=True)] = 50,
+    growth: np.ndarray | None = None,
     threads: int | None = None,
     progress: Progress = silent,
 ) -> Result:
@@ -71,6 +72,10 @@ def elliptic_volume(
         the local spacing of where it would end.
     cycles : int
         How many cycles to do at most; if they do not suffice, the report says so.
+    growth : (3, ni, nj, nk) float, optional
+        Control functions of your own, in place of `control`: logarithms of the growth from one cell to the next along
+        i, j and k, between -2 and 2. In the survey's notation P = -2 tanh(growth[0] / 2), and likewise Q and R, with
+        the indices as coordinates.
     threads : int, optional
         How many threads share the work; all available cores if not given. The grid does not depend on it.
     progress : Progress, optional
@@ -106,7 +111,10 @@ def elliptic_volume(
     points = grid.points
     if faces == "smoothed":
         points = _with_smooth_faces(points, control, cycles, part_of(progress, 0.0, part))
-    growth = boundary_growth(blended(points, (0, 1, 2))) if control == "boundary spacing" else None
+    if growth is not None:
+        growth = _checked_growth(growth, control, grid.shape)
+    elif control == "boundary spacing":
+        growth = boundary_growth(blended(points, (0, 1, 2)))
     for start in (points, blended(points, (0, 1, 2))):  # from another start another solution may be found
         smooth, outcome = winslow_3d.solved(
             start,
@@ -119,8 +127,7 @@ def elliptic_volume(
         if not winslow_3d.count_folded(smooth):
             break
     result = grid.with_points(smooth)
-    _refuse_folds(result)
-    validate(result)
+    _refuse_folds(result)  # which is all that `validate` asks of a grid's hexahedra
     report = Report(
         counts={"points": result.n_points, "hexahedra": result.n_cells},
         quality=summary(result),
@@ -158,22 +165,32 @@ def _as_block(block: Mesh | StructuredGrid) -> StructuredGrid:
     )
 
 
+def _checked_growth(growth: np.ndarray, control: Control, shape: tuple[int, int, int]) -> np.ndarray:
+    if control != "none":
+        raise InvalidInput(f"is given together with control = {control!r}; leave one of them out", parameter="growth")
+    growth = np.ascontiguousarray(growth, float)
+    if growth.shape != (3, *shape):
+        raise InvalidInput(f"needs shape {(3, *shape)}, got {growth.shape}", parameter="growth")
+    if not (np.abs(growth) <= LARGEST_GROWTH).all():  # false for NaN
+        raise InvalidInput(
+            f"must be between -{LARGEST_GROWTH:g} and {LARGEST_GROWTH:g}, got {growth.min():g} to {growth.max():g}",
+            parameter="growth",
+        )
+    return growth
+
+
 def _with_smooth_faces(points: np.ndarray, control: Control, cycles: int, progress: Progress) -> np.ndarray:
     """The block with each face a grid that is harmonic on the bicubic surface through its points, filled anew."""
     points = points.copy()
     for number in range(6):
         axis, end = divmod(number, 2)
         face = np.moveaxis(points, axis, 0)[-end]
-        try:
-            surface = SplineSurface(face)
-        except InvalidGeometry:  # a face that is a line or a point, as on the axis of a wedge
-            continue
-        start = surface.parameters
-        growth = boundary_growth(face) if control == "boundary spacing" else None
         step = part_of(progress, number / 6, (number + 1) / 6)
-        found, _ = winslow_surface.solved(surface, start, growth=growth, most=cycles, progress=step)
-        inner = (slice(1, -1), slice(1, -1))
-        face[inner] = surface.points(*np.moveaxis(found, -1, 0))[inner]
+        # A face may be a line or a point, as on the axis of a wedge.
+        with contextlib.suppress(InvalidGeometry):
+            face[...], _ = winslow_surface.smoothed(
+                face, controlled=control == "boundary spacing", most=cycles, progress=step
+            )
     return blended(points, (0, 1, 2))
 
 

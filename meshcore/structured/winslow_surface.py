@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry.surfaces import Surface
+from ..geometry.surfaces import SplineSurface, Surface
 from ..progress import Progress, silent
 from ..threads import Workers
 from . import _winslow_surface_kernels as kernels
+from .boundary_growth import boundary_growth
 from .multigrid import Level, Outcome, solve
 from .transfer import Transfer, coarsened, growth_on_coarse
 
@@ -74,6 +75,51 @@ def solved(
         outcome = solve(levels, first=first, tolerance=tolerance, most=most, workers=workers, progress=progress)
     new = parameters.copy()
     new[1:-1, 1:-1] = np.moveaxis(levels[0].x, 0, -1)[1:-1, 1:-1]
+    return new, outcome
+
+
+def smoothed(
+    points: np.ndarray, *, controlled: bool = False, most: int = 50, progress: Progress = silent
+) -> tuple[np.ndarray, Outcome]:
+    """The elliptic grid on the bicubic surface through the points of a grid, with the same boundary.
+
+    Parameters
+    ----------
+    points : (ni, nj, 3) float
+        A grid in space, or in a plane.
+    controlled : bool
+        Whether the boundary's spacing is carried inside, or Laplace's equation evens it out.
+    most : int
+        Cycles that are done at most.
+    progress : Progress, optional
+        Called with fraction and message.
+
+    Returns
+    -------
+    points : (ni, nj, 3) float
+        The boundary is kept to the last bit.
+    outcome : Outcome
+        Folded cells are not looked for.
+
+    Raises
+    ------
+    InvalidInput, InvalidGeometry
+        If there are less than 2 x 2 points, or lines of them coincide, so that they make no surface.
+
+    Examples
+    --------
+    >>> x, y = np.meshgrid(np.linspace(0, 1, 9), np.linspace(0, 1, 9), indexing="ij")
+    >>> uneven = np.stack([x, y + 0.1 * np.sin(np.pi * x) * np.sin(2 * np.pi * y), 0 * x], axis=-1)
+    >>> points, outcome = smoothed(uneven)
+    >>> bool(abs(points[..., 1] - y).max() < 1e-3)
+    True
+    """
+    surface = SplineSurface(points)
+    growth = boundary_growth(points) if controlled else None
+    found, outcome = solved(surface, surface.parameters, growth=growth, most=most, progress=progress)
+    new = np.array(points, float)
+    inner = (slice(1, -1), slice(1, -1))
+    new[inner] = surface.points(*np.moveaxis(found, -1, 0))[inner]
     return new, outcome
 
 

@@ -88,6 +88,23 @@ def test_laplace_evens_spacing_out_and_control_carries_it_inside():
     np.testing.assert_allclose(exact.points, straight, atol=1e-9)
 
 
+def test_control_functions_of_your_own():
+    points = box(8, 9, 10)
+    growth = np.zeros((3, 9, 10, 11))
+    growth[1] = np.log(1.2)
+    steps = np.cumsum(np.r_[0, 1.2 ** np.arange(9)])
+    points[..., 1] = (steps / steps[-1])[:, None]
+    start = points.copy()
+    start[1:-1, 1:-1, 1:-1] += 0.01
+    grid, _ = mc.elliptic_volume(StructuredGrid(start), growth=growth, tolerance=1e-10)
+    np.testing.assert_allclose(grid.points, points, atol=1e-9)
+    for bad, said in ((growth[:2], "needs shape"), (growth + 3, "between -2 and 2"), (growth * np.nan, "between")):
+        with pytest.raises(InvalidInput, match=said):
+            mc.elliptic_volume(StructuredGrid(start), growth=bad)
+    with pytest.raises(InvalidInput, match="together"):
+        mc.elliptic_volume(StructuredGrid(start), growth=growth, control="boundary spacing")
+
+
 def test_control_keeps_a_polar_grid_with_any_radial_law():
     r = 1 + np.linspace(0, 1, 30) ** 1.7
     t = np.linspace(0, 1.2, 15)
