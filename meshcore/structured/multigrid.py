@@ -138,6 +138,12 @@ def full_multigrid(levels: list[Level], first: int, outcome: Outcome) -> None:
             cycle(levels, k, outcome)
 
 
+def first_level(levels: list[Level], cells: int) -> int:
+    """The coarsest level with so many cells, or as many as there are, in each direction: where to begin."""
+    least = np.minimum(cells + 1, levels[0].x.shape[1:])
+    return max(k for k, level in enumerate(levels) if (np.array(level.x.shape[1:]) >= least).all())
+
+
 class Anderson:
     """Acceleration of a fixed-point iteration by what earlier steps told.
 

@@ -9,7 +9,7 @@ import numpy as np
 from ..progress import Progress, silent
 from ..threads import Workers, available_threads
 from . import _winslow_3d_kernels as kernels
-from .multigrid import Level, Outcome, solve
+from .multigrid import Level, Outcome, first_level, solve
 from .transfer import SMALL, Transfer, coarsened, coarser, growth_on_coarse
 
 WEAK = 0.3
@@ -70,7 +70,12 @@ def solved(
     with Workers(threads or available_threads()) as workers:
         levels = _levels((points - centre) / size, growth, workers)
         outcome = solve(
-            levels, first=_first(levels), tolerance=tolerance, most=most, workers=workers, progress=progress
+            levels,
+            first=first_level(levels, FIRST_CELLS),
+            tolerance=tolerance,
+            most=most,
+            workers=workers,
+            progress=progress,
         )
     new = points.copy()
     inner = (slice(1, -1),) * 3
@@ -204,9 +209,3 @@ def _strong(shape: tuple[int, ...], strength: np.ndarray) -> np.ndarray:
     """(3,) bool: directions whose coupling is not weak beside that of others that can be coarsened."""
     can = np.array([coarser(n - 1) < n - 1 for n in shape])
     return can & (strength >= WEAK * strength[can].max(initial=0.0))
-
-
-def _first(levels: list[Level]) -> int:
-    """The coarsest level with `FIRST_CELLS` cells, or as many as there are, in each direction."""
-    least = np.minimum(FIRST_CELLS + 1, levels[0].x.shape[1:])
-    return max(k for k, level in enumerate(levels) if (np.array(level.x.shape[1:]) >= least).all())

@@ -9,7 +9,7 @@ from ..progress import Progress, silent
 from ..threads import Workers
 from . import _winslow_surface_kernels as kernels
 from .boundary_growth import boundary_growth
-from .multigrid import Level, Outcome, solve
+from .multigrid import Level, Outcome, first_level, solve
 from .transfer import Transfer, coarsened, growth_on_coarse
 
 FIRST_CELLS = 32
@@ -70,8 +70,7 @@ def solved(
         return parameters.copy(), Outcome([0.0], True, 0.0)
     with Workers(1) as workers:
         levels = _levels(surface, parameters, growth, workers)
-        least = np.minimum(FIRST_CELLS + 1, parameters.shape[:2])
-        first = max(k for k, level in enumerate(levels) if (np.array(level.x.shape[1:]) >= least).all())
+        first = first_level(levels, FIRST_CELLS)
         outcome = solve(levels, first=first, tolerance=tolerance, most=most, workers=workers, progress=progress)
     new = parameters.copy()
     new[1:-1, 1:-1] = np.moveaxis(levels[0].x, 0, -1)[1:-1, 1:-1]
