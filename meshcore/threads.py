@@ -6,7 +6,7 @@ import itertools
 import numbers
 import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, ThreadPoolExecutor
 
 from .errors import InvalidInput
 
@@ -47,6 +47,26 @@ def available_threads() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+def in_parts(pool: Executor | None, parts: int, work: Callable[..., object], start: int, stop: int) -> None:
+    """Call ``work(first, last)`` on at most ``parts`` equal parts of ``range(start, stop)`` at once, and wait for all.
+
+    The work must give the same whatever the parts are.
+
+    Examples
+    --------
+    >>> in_parts(None, 1, lambda first, last: print(first, last), 0, 5)
+    0 5
+    """
+    stops = [start + (stop - start) * k // parts for k in range(parts + 1)]
+    parted = [(first, last) for first, last in itertools.pairwise(stops) if first < last]
+    if pool is None or len(parted) < 2:
+        for first, last in parted:
+            work(first, last)
+    else:
+        for future in [pool.submit(work, first, last) for first, last in parted]:
+            future.result()
+
+
 class Workers:
     """Threads that share work whose result does not depend on how it is parted.
 
@@ -59,7 +79,7 @@ class Workers:
 
     def __init__(self, threads: int):
         self._threads = threads
-        self._pool = ThreadPoolExecutor(threads - 1) if threads > 1 else None
+        self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
 
     def __enter__(self) -> Workers:
         return self
@@ -73,11 +93,4 @@ class Workers:
 
         What is not worth sharing, being small, is done at one go.
         """
-        if self._pool is None or not share:
-            work(start, stop)
-            return
-        stops = [start + (stop - start) * k // self._threads for k in range(self._threads + 1)]
-        others = [self._pool.submit(work, first, last) for first, last in itertools.pairwise(stops[1:]) if first < last]
-        work(start, stops[1])
-        for future in others:
-            future.result()
+        in_parts(self._pool, self._threads if share else 1, work, start, stop)

@@ -1005,32 +1005,32 @@ class meshcoreEllipticGrid(Operation):
         self.set("tolerance", value if value >= 0 else BY_DEFAULT)
       <Documentation>A block: closed cage of quads in rows and columns, or hexahedra.</Documentation>
     </InputProperty>
-    <IntVectorProperty name="Control" label="Control" command="SetControl" number_of_elements="1" default_values="0" panel_visibility="default">
+    <IntVectorProperty name="Control" label="Control" command="SetControl" number_of_elements="1" default_values="1" panel_visibility="default">
       <EnumerationDomain name="enum"><Entry value="0" text="none"/><Entry value="1" text="boundary spacing"/></EnumerationDomain>
-      <Documentation>Whether the boundary's spacing is carried inside, or Laplace's equation evens it
-      out.</Documentation>
+      <Documentation>Whether the boundary's spacing is carried inside, or lines spread evenly
+      (Laplace).</Documentation>
     </IntVectorProperty>
     <IntVectorProperty name="Faces" label="Faces" command="SetFaces" number_of_elements="1" default_values="0" panel_visibility="default">
       <EnumerationDomain name="enum"><Entry value="0" text="kept"/><Entry value="1" text="smoothed"/></EnumerationDomain>
       <Documentation>Whether the points of the six faces stay, or are first smoothed on the surfaces through
       them.</Documentation>
     </IntVectorProperty>
-    <DoubleVectorProperty name="Tolerance" label="Tolerance" command="SetTolerance" number_of_elements="1" default_values="0" panel_visibility="advanced">
+    <DoubleVectorProperty name="Residual" label="Residual" command="SetResidual" number_of_elements="1" default_values="0" panel_visibility="advanced">
       <DoubleRangeDomain name="range" min="0" max="1"/>
-      <Documentation>Residual to reach, as part of the start's; by default each point is within a thousandth of its
-      spacing; 0 leaves it out.</Documentation>
+      <Documentation>Residual to reach, of the start's; by default near to the converged grid; 0 leaves it
+      out.</Documentation>
     </DoubleVectorProperty>
-    <IntVectorProperty name="Cycles" label="Cycles" command="SetCycles" number_of_elements="1" default_values="50" panel_visibility="advanced">
-      <IntRangeDomain name="range" min="1" max="100"/>
-      <Documentation>Multigrid cycles at most.</Documentation>
+    <IntVectorProperty name="MaxCycles" label="Max Cycles" command="SetMaxCycles" number_of_elements="1" default_values="60" panel_visibility="advanced">
+      <IntRangeDomain name="range" min="1"/>
+      <Documentation>Cycles after which to give up.</Documentation>
     </IntVectorProperty>
     <PropertyGroup label="Parameters">
       <Property name="Control"/>
       <Property name="Faces"/>
     </PropertyGroup>
     <PropertyGroup label="Advanced">
-      <Property name="Tolerance"/>
-      <Property name="Cycles"/>
+      <Property name="Residual"/>
+      <Property name="MaxCycles"/>
     </PropertyGroup>
     """
 )
@@ -1046,11 +1046,11 @@ class meshcoreEllipticVolume(Operation):
     def SetFaces(self, value):
         self.set("faces", ('kept', 'smoothed')[value])
 
-    def SetTolerance(self, value):
-        self.set("tolerance", value or None)
+    def SetResidual(self, value):
+        self.set("residual", value or None)
 
-    def SetCycles(self, value):
-        self.set("cycles", value)
+    def SetMaxCycles(self, value):
+        self.set("max_cycles", value)
 
 
 

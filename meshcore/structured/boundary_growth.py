@@ -1,10 +1,15 @@
-"""Control functions that carry the boundary's spacing inside a block or a surface patch (survey 2.5.1)."""
+"""Control functions of blocks and surface patches: from the boundary's spacing, and from the user (survey 2.5.1)."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Union
 
 import numpy as np
+
+from ..errors import InvalidInput
+
+ControlFunction = Union[np.ndarray, float, Callable[..., np.ndarray]]
 
 LARGEST_GROWTH = 2.0
 """Cells that grow by more than exp(2) from one to the next are no grid that differences could be taken on."""
@@ -78,3 +83,48 @@ def boundary_growth(points: np.ndarray) -> np.ndarray:
         inner[0], inner[-1] = inner[1], inner[-2]
         growth[axis] = blended(growth[axis], others)
     return np.clip(growth, -LARGEST_GROWTH, LARGEST_GROWTH)
+
+
+def user_growth(functions: Sequence[ControlFunction], shape: tuple[int, ...]) -> np.ndarray:
+    """Logarithms of growth of control functions P, Q and, in space, R: ``g^ii (r_ii + P r_i)``, in index units.
+
+    Parameters
+    ----------
+    functions : sequence of arrays or callables
+        One for each direction: an array of that shape, a number, or a function of the arrays of indices i, j[, k].
+    shape : tuple of int
+        Points along each direction.
+
+    Returns
+    -------
+    (d, *shape) float
+
+    Raises
+    ------
+    InvalidInput
+        If there are not as many as directions, or values are not finite, not of that shape, or not between -2 and 2.
+
+    Examples
+    --------
+    >>> user_growth((lambda i, j, k: 0.1 * (i - 1), 0, np.full((3, 3, 3), -0.2)), (3, 3, 3))[:, 2, 1, 1].round(4) + 0.0
+    array([-0.1001,  0.    ,  0.2007])
+    """
+    if len(functions) != len(shape):
+        raise InvalidInput(
+            f"needs one function for each of {len(shape)} directions, got {len(functions)}",
+            parameter="control_functions",
+        )
+    indices = np.meshgrid(*(np.arange(n, dtype=float) for n in shape), indexing="ij")
+    growth = np.empty((len(shape), *shape))
+    for name, function, into in zip("PQR", functions, growth, strict=False):
+        values = np.asarray(function(*indices) if callable(function) else function, float)
+        if values.shape not in (shape, ()):
+            raise InvalidInput(f"{name} needs shape {shape}, got {values.shape}", parameter="control_functions")
+        if not (np.abs(values) < 2).all():  # false for NaN
+            worst = values.flat[np.argmax(np.where(np.isfinite(values), np.abs(values), np.inf))]
+            raise InvalidInput(
+                f"{name} must stay between -2 and 2, where lines would cross, got {worst:g}",
+                parameter="control_functions",
+            )
+        into[...] = -2 * np.arctanh(0.5 * values)
+    return growth

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Annotated, Literal, Union
 
@@ -16,11 +17,12 @@ from ..quality import measure, summary
 from ..report import Report, Result
 from ..threads import checked_threads
 from . import winslow_3d, winslow_surface
-from .boundary_growth import LARGEST_GROWTH, blended, boundary_growth
+from .boundary_growth import ControlFunction, blended, boundary_growth, user_growth
 from .cage import block_of_cage
 from .limits import check_size
 
 Control = Literal["none", "boundary spacing"]
+_HALVINGS = 3  # of control functions that fold the grid
 _FACES = {"kept": 0.0, "smoothed": 0.2}  # and what part of the time they take
 
 
@@ -32,23 +34,20 @@ def elliptic_volume(
     ],
     *,
     control: Annotated[
-        Control, Param("Whether the boundary's spacing is carried inside, or Laplace's equation evens it out")
-    ] = "none",
+        Control, Param("Whether the boundary's spacing is carried inside, or lines spread evenly (Laplace)")
+    ] = "boundary spacing",
     faces: Annotated[
         Literal["kept", "smoothed"],
         Param("Whether the points of the six faces stay, or are first smoothed on the surfaces through them"),
     ] = "kept",
-    tolerance: Annotated[
+    residual: Annotated[
         float | None,
         Param(
-            "Residual to reach, as part of the start's; by default each point is within a thousandth of its spacing",
-            min=0,
-            max=1,
-            advanced=True,
+            "Residual to reach, of the start's; by default near to the converged grid", min=1e-13, max=1, advanced=True
         ),
     ] = None,
-    cycles: Annotated[int, Param("Multigrid cycles at most", min=1, soft_max=100, advanced=True)] = 50,
-    growth: np.ndarray | None = None,
+    max_cycles: Annotated[int, Param("Cycles after which to give up", min=1, advanced=True)] = 60,
+    control_functions: Sequence[ControlFunction] | None = None,
     threads: int | None = None,
     progress: Progress = silent,
 ) -> Result:
@@ -64,18 +63,18 @@ def elliptic_volume(
         was subdivided and bent, or "hexahedron" cells of one block, of which only the surface matters. In these i, j,
         k leave the point with the least number of the eight corners.
     control : {"none", "boundary spacing"}
-        "boundary spacing" carries the spacing on the faces inside, as cells along walls need.
+        "boundary spacing" carries the spacing on the faces inside, as cells along walls need. Where that would fold
+        cells it is weakened, and the report says so.
     faces : {"kept", "smoothed"}
         "smoothed" first makes elliptic grids on the bicubic surfaces through the faces' points; edges stay.
-    tolerance : float, optional
-        Residual to reach, as part of the start's. By default cycles go on until each point is within a thousandth of
-        the local spacing of where it would end.
-    cycles : int
-        How many cycles to do at most; if they do not suffice, the report says so.
-    growth : (3, ni, nj, nk) float, optional
-        Control functions of your own, in place of `control`: logarithms of the growth from one cell to the next along
-        i, j and k, between -2 and 2. In the survey's notation P = -2 tanh(growth[0] / 2), and likewise Q and R, with
-        the indices as coordinates.
+    residual : float, optional
+        Residual to reach in units of the start's. Left out, cycles go on until each node is within about a thousandth
+        of the local spacing from its converged place.
+    max_cycles : int
+        Multigrid cycles after which to give up; the report says so.
+    control_functions : P, Q and R, optional
+        More control functions: each a number, an (ni, nj, nk) array, or a function of arrays of the indices i, j, k,
+        between -2 and 2. They act as in ``g^11 (r_ii + P r_i)``, with the indices as coordinates.
     threads : int, optional
         How many threads share the work; all available cores if not given. The grid does not depend on it.
     progress : Progress, optional
@@ -110,36 +109,40 @@ def elliptic_volume(
     part = _FACES[faces]
     points = grid.points
     if faces == "smoothed":
-        points = _with_smooth_faces(points, control, cycles, part_of(progress, 0.0, part))
-    if growth is not None:
-        growth = _checked_growth(growth, control, grid.shape)
-    elif control == "boundary spacing":
-        growth = boundary_growth(blended(points, (0, 1, 2)))
-    for start in (points, blended(points, (0, 1, 2))):  # from another start another solution may be found
+        points = _with_smooth_faces(points, control, max_cycles, part_of(progress, 0.0, part))
+    filled = blended(points, (0, 1, 2))
+    growth = _growth(filled, control, control_functions)
+    warnings = []
+    # If cells are folded, another start may lead to another solution; and weaker control folds less.
+    tries = [(points, 1.0), (filled, 1.0)] + [(filled, 0.5**k) for k in range(1, _HALVINGS + 1) if growth is not None]
+    for start, strength in tries:
         smooth, outcome = winslow_3d.solved(
             start,
-            growth=growth,
-            tolerance=tolerance,
-            most=cycles,
+            growth=growth if growth is None else strength * growth,
+            tolerance=residual,
+            most=max_cycles,
             threads=threads,
             progress=part_of(progress, part, 1.0),
         )
         if not winslow_3d.count_folded(smooth):
+            if strength < 1:
+                warnings.append(f"control acts with {strength:g} of its strength: with more of it cells would fold")
             break
     result = grid.with_points(smooth)
     _refuse_folds(result)  # which is all that `validate` asks of a grid's hexahedra
+    if not outcome.converged:
+        warnings.append(
+            f"stopped after {outcome.cycles} cycles, an estimated {outcome.error:.2g} spacings from the converged "
+            "grid; allow more cycles or a larger residual"
+        )
     report = Report(
         counts={"points": result.n_points, "hexahedra": result.n_cells},
         quality=summary(result),
         iterations=outcome.cycles,
         residual=outcome.residuals[-1] / (outcome.residuals[0] or 1.0),
         converged=outcome.converged,
+        warnings=warnings,
     )
-    if not outcome.converged:
-        report.warnings.append(
-            f"stopped after {outcome.cycles} cycles, an estimated {outcome.error:.2g} spacings from the converged "
-            "grid; allow more cycles or a larger tolerance"
-        )
     return Result(result, report)
 
 
@@ -165,21 +168,17 @@ def _as_block(block: Mesh | StructuredGrid) -> StructuredGrid:
     )
 
 
-def _checked_growth(growth: np.ndarray, control: Control, shape: tuple[int, int, int]) -> np.ndarray:
-    if control != "none":
-        raise InvalidInput(f"is given together with control = {control!r}; leave one of them out", parameter="growth")
-    growth = np.ascontiguousarray(growth, float)
-    if growth.shape != (3, *shape):
-        raise InvalidInput(f"needs shape {(3, *shape)}, got {growth.shape}", parameter="growth")
-    if not (np.abs(growth) <= LARGEST_GROWTH).all():  # false for NaN
-        raise InvalidInput(
-            f"must be between -{LARGEST_GROWTH:g} and {LARGEST_GROWTH:g}, got {growth.min():g} to {growth.max():g}",
-            parameter="growth",
-        )
-    return growth
+def _growth(points: np.ndarray, control: Control, functions: Sequence[ControlFunction] | None) -> np.ndarray | None:
+    """Logarithms of growth of all control functions together, or None for Laplace's equation."""
+    parts = []
+    if control == "boundary spacing":
+        parts.append(boundary_growth(points))
+    if functions is not None:
+        parts.append(user_growth(functions, points.shape[:3]))
+    return sum(parts) if parts else None
 
 
-def _with_smooth_faces(points: np.ndarray, control: Control, cycles: int, progress: Progress) -> np.ndarray:
+def _with_smooth_faces(points: np.ndarray, control: Control, max_cycles: int, progress: Progress) -> np.ndarray:
     """The block with each face a grid that is harmonic on the bicubic surface through its points, filled anew."""
     points = points.copy()
     for number in range(6):
@@ -189,7 +188,7 @@ def _with_smooth_faces(points: np.ndarray, control: Control, cycles: int, progre
         # A face may be a line or a point, as on the axis of a wedge.
         with contextlib.suppress(InvalidGeometry):
             face[...], _ = winslow_surface.smoothed(
-                face, controlled=control == "boundary spacing", most=cycles, progress=step
+                face, controlled=control == "boundary spacing", most=max_cycles, progress=step
             )
     return blended(points, (0, 1, 2))
 

@@ -55,9 +55,9 @@ def test_a_cage_is_found_however_its_points_are_numbered():
 
 def test_a_grid_its_hexahedra_and_its_surface_have_the_same_result():
     start = naive.filled_box(np.sin(box(6, 7, 8)) + 0.2 * box(6, 7, 8)[..., ::-1] ** 2)
-    one, _ = mc.elliptic_volume(StructuredGrid(start), tolerance=1e-10)
+    one, _ = mc.elliptic_volume(StructuredGrid(start), residual=1e-10)
     for other in (StructuredGrid(start).to_mesh(), surface_of(start)):
-        assert (mc.elliptic_volume(other, tolerance=1e-10)[0].points == one.points).all()
+        assert (mc.elliptic_volume(other, residual=1e-10)[0].points == one.points).all()
     assert same_boundary(one.points, start)
 
 
@@ -84,25 +84,34 @@ def test_laplace_evens_spacing_out_and_control_carries_it_inside():
     assert abs(first["boundary spacing"] / heights[1] - 1) < 0.3
     straight = box(12, 10, 20)
     straight[..., 2] = heights
-    exact, _ = mc.elliptic_volume(StructuredGrid(straight), control="boundary spacing", tolerance=1e-9)
+    exact, _ = mc.elliptic_volume(StructuredGrid(straight), control="boundary spacing", residual=1e-9)
     np.testing.assert_allclose(exact.points, straight, atol=1e-9)
 
 
 def test_control_functions_of_your_own():
     points = box(8, 9, 10)
-    growth = np.zeros((3, 9, 10, 11))
-    growth[1] = np.log(1.2)
+    rate = -2 * np.tanh(np.log(1.2) / 2)
     steps = np.cumsum(np.r_[0, 1.2 ** np.arange(9)])
     points[..., 1] = (steps / steps[-1])[:, None]
     start = points.copy()
     start[1:-1, 1:-1, 1:-1] += 0.01
-    grid, _ = mc.elliptic_volume(StructuredGrid(start), growth=growth, tolerance=1e-10)
-    np.testing.assert_allclose(grid.points, points, atol=1e-9)
-    for bad, said in ((growth[:2], "needs shape"), (growth + 3, "between -2 and 2"), (growth * np.nan, "between")):
+    for functions in ((0, rate, 0), (0 * points[..., 0], lambda i, j, k: rate + 0 * j, 0)):
+        grid, _ = mc.elliptic_volume(StructuredGrid(start), control="none", control_functions=functions, residual=1e-10)
+        np.testing.assert_allclose(grid.points, points, atol=1e-9)
+    for bad, said in (((0, 0), "each of 3"), ((0, np.zeros(4), 0), "Q needs shape"), ((0, 0, np.nan), "R must stay")):
         with pytest.raises(InvalidInput, match=said):
-            mc.elliptic_volume(StructuredGrid(start), growth=bad)
-    with pytest.raises(InvalidInput, match="together"):
-        mc.elliptic_volume(StructuredGrid(start), growth=growth, control="boundary spacing")
+            mc.elliptic_volume(StructuredGrid(start), control_functions=bad)
+
+
+def test_control_that_folds_cells_is_weakened():
+    start = naive.filled_box(np.sin(box(12, 12, 12)) + 0.2 * box(12, 12, 12)[..., ::-1] ** 2)
+
+    def pull(i, j, k):
+        return np.where(j < 6, 1.5, -1.5)
+
+    grid, report = mc.elliptic_volume(StructuredGrid(start), control_functions=(pull, 0, 0))
+    assert "with 0.25 of its strength" in report.warnings[0]
+    assert (quality.measure(grid, "jacobian") > 0).all()
 
 
 def test_control_keeps_a_polar_grid_with_any_radial_law():
@@ -115,7 +124,7 @@ def test_control_keeps_a_polar_grid_with_any_radial_law():
     growth = boundary_growth(points)
     np.testing.assert_allclose(growth[1:], 0, atol=1e-12)
     kept, _ = mc.elliptic_volume(StructuredGrid(points), control="boundary spacing")
-    moved, _ = mc.elliptic_volume(StructuredGrid(points))
+    moved, _ = mc.elliptic_volume(StructuredGrid(points), control="none")
     error, other = (abs(grid.points - points).max() for grid in (kept, moved))
     assert error < 3e-3 < 0.05 < other
 
@@ -124,7 +133,7 @@ def test_smoothed_faces_lie_on_their_surfaces_and_edges_stay():
     u, v, w = np.moveaxis(box(16, 14, 12), -1, 0)
     twisted = u + 0.12 * np.sin(np.pi * u) * np.sin(2 * np.pi * v) * np.sin(np.pi * w) ** 0
     points = np.stack([twisted, v, w], axis=-1)
-    grid, report = mc.elliptic_volume(StructuredGrid(points), faces="smoothed", tolerance=1e-8)
+    grid, report = mc.elliptic_volume(StructuredGrid(points), faces="smoothed", residual=1e-8)
     assert report.converged
     bottom = grid.points[:, :, 0]
     np.testing.assert_allclose(bottom[..., 2], 0, atol=1e-12)
@@ -133,7 +142,7 @@ def test_smoothed_faces_lie_on_their_surfaces_and_edges_stay():
         assert (grid.points[i, j] == points[i, j]).all()
         assert (grid.points[i, :, j] == points[i, :, j]).all()
         assert (grid.points[:, i, j] == points[:, i, j]).all()
-    kept, _ = mc.elliptic_volume(StructuredGrid(points), tolerance=1e-8)
+    kept, _ = mc.elliptic_volume(StructuredGrid(points), residual=1e-8)
     assert quality.measure(grid, "scaled_jacobian").min() > quality.measure(kept, "scaled_jacobian").min()
 
 
@@ -147,11 +156,11 @@ def test_a_left_handed_grid_is_turned_with_its_names():
 
 def test_too_few_cycles_are_told():
     points = naive.filled_box(np.sin(box(16, 16, 16)) + 0.2 * box(16, 16, 16)[..., ::-1] ** 2)
-    _, report = mc.elliptic_volume(StructuredGrid(points), tolerance=1e-12, cycles=1)
+    _, report = mc.elliptic_volume(StructuredGrid(points), residual=1e-12, max_cycles=1)
     assert not report.converged
     assert "allow more cycles" in report.warnings[0]
-    _, report = mc.elliptic_volume(StructuredGrid(points), tolerance=0)
-    assert report.residual < 1e-8  # down to rounding, or as far as it goes
+    with pytest.raises(InvalidInput, match="residual: must be at least 1e-13, got 0"):
+        mc.elliptic_volume(StructuredGrid(points), residual=0)
 
 
 def test_folds_that_the_boundary_makes_are_refused_with_their_place():
