@@ -8,8 +8,9 @@ A to F are the cofactors of g_ij (J. F. Thompson, Z. U. A. Warsi, C. W. Mastin, 
 equation VI.22). Arrays are flat and hold three components of n = na nb nc numbers each, c fastest. The right side f
 is zero on the finest grid. `control` holds P, Q, R likewise, or is empty.
 
-Lines are solved `LINES` at a time, side by side, so that machine code works on several at once. Each takes `FIELDS`
-rows of a work array at every node: A, B, C, the three components of the defect, and the control along the line.
+Machine code works on several nodes at once: equations are set up for `NODES` neighbours along c, and `LINES` lines are
+solved side by side. Either way a node has `FIELDS` numbers in rows of that length: A, B, C, the three components of the
+defect, and the control along the line.
 """
 
 from __future__ import annotations
@@ -21,12 +22,12 @@ import numpy as np
 from .._numba import kernel
 
 U = np.uint64
-LINES = 64
 FIELDS = 7
-_ROW = U(LINES)
+LINES = 64
+NODES = 2 * LINES
+_STEP = FIELDS * LINES
 _DEFECT = U(3 * LINES)
 _LAST = U(6 * LINES)
-_STEP = FIELDS * LINES
 # Keeps the quotient 0 / 0 of a spot where all points coincide at zero.
 TINY = 1e-300
 
@@ -50,8 +51,8 @@ def _difference(x, p, sa, sb, A, B, C, D, E, F):
 
 
 @kernel(inline=True)
-def _equation(x, f, p, n, sa, sb, v, o):
-    """Coefficients and defect of the equations at node p, into the rows of v from o on."""
+def _equation(x, f, p, n, sa, sb, row, t):
+    """Coefficients and defect of the equations at node p, into column t of the rows."""
     one = U(1)
     q = p + n
     r = q + n
@@ -76,37 +77,32 @@ def _equation(x, f, p, n, sa, sb, v, o):
     D = ac * bc - ab * cc
     E = ab * bc - ac * bb
     F = ab * ac - bc * aa
-    v[o] = A
-    v[o + _ROW] = B
-    v[o + U(2) * _ROW] = C
-    v[o + _DEFECT] = _difference(x, p, sa, sb, A, B, C, D, E, F) - f[p]
-    v[o + U(4) * _ROW] = _difference(x, q, sa, sb, A, B, C, D, E, F) - f[q]
-    v[o + U(5) * _ROW] = _difference(x, r, sa, sb, A, B, C, D, E, F) - f[r]
-    v[o + _LAST] = 0.0
+    row[t] = A
+    row[t + U(NODES)] = B
+    row[t + U(2 * NODES)] = C
+    row[t + U(3 * NODES)] = _difference(x, p, sa, sb, A, B, C, D, E, F) - f[p]
+    row[t + U(4 * NODES)] = _difference(x, q, sa, sb, A, B, C, D, E, F) - f[q]
+    row[t + U(5 * NODES)] = _difference(x, r, sa, sb, A, B, C, D, E, F) - f[r]
+    row[t + U(6 * NODES)] = 0.0
 
 
 @kernel
-def equations(x, f, control, at, step, m, n, sa, sb, axis, v, place):
-    """The equations at m nodes from ``at`` on, ``step`` apart (1 or 2), into v from ``place`` on."""
-    p, n, sa, sb, o = U(at), U(n), U(sa), U(sb), U(place)
-    if step == 1:  # apart from the other loop, since machine code for several nodes at once needs a constant
-        for t in range(m):
-            _equation(x, f, p + U(t), n, sa, sb, v, o + U(t))
-    else:
-        for t in range(m):
-            _equation(x, f, p + U(2) * U(t), n, sa, sb, v, o + U(t))
+def equations(x, f, control, at, m, n, sa, sb, axis, row):
+    """The equations at m nodes in a row along c, from ``at`` on; ``axis`` is that of the line to be solved."""
+    p, n, sa, sb = U(at), U(n), U(sa), U(sb)
+    for t in range(m):
+        _equation(x, f, p + U(t), n, sa, sb, row, U(t))
     if len(control):
         for direction in range(3):
             s = sa if direction == 0 else sb if direction == 1 else U(1)
             for t in range(m):
-                at = p + U(step) * U(t)
-                rate = control[at + U(direction) * n]
-                factor = 0.5 * rate * v[o + U(direction) * _ROW + U(t)]
+                rate = control[p + U(t) + U(direction) * n]
+                factor = 0.5 * rate * row[U(direction * NODES + t)]
                 for q in range(3):
-                    node = at + U(q) * n
-                    v[o + _DEFECT + U(q) * _ROW + U(t)] += factor * (x[node + s] - x[node - s])
+                    node = p + U(t) + U(q) * n
+                    row[U((3 + q) * NODES + t)] += factor * (x[node + s] - x[node - s])
                 if direction == axis:
-                    v[o + _LAST + U(t)] = rate
+                    row[U(6 * NODES + t)] = rate
 
 
 @kernel
@@ -114,18 +110,18 @@ def eliminate(v, place, m, axis):
     """One step forward of the Thomas algorithm for m lines: node at ``place``, after the one before it."""
     o = U(place)
     before = U(place - _STEP)
-    along = U(axis) * _ROW
+    along = U(axis) * U(LINES)
     for t in range(m):
         k = o + U(t)
         j = before + U(t)
         strength = v[k + along]
         half = 0.5 * v[k + _LAST]
         low = strength * (1.0 - half)
-        pivot = 1.0 / (2.0 * (v[k] + v[k + _ROW] + v[k + U(2) * _ROW]) + TINY - low * v[j + _LAST])
+        pivot = 1.0 / (2.0 * (v[k] + v[k + U(LINES)] + v[k + U(2 * LINES)]) + TINY - low * v[j + _LAST])
         v[k + _LAST] = strength * (1.0 + half) * pivot
         v[k + _DEFECT] = (v[k + _DEFECT] + low * v[j + _DEFECT]) * pivot
-        v[k + U(4) * _ROW] = (v[k + U(4) * _ROW] + low * v[j + U(4) * _ROW]) * pivot
-        v[k + U(5) * _ROW] = (v[k + U(5) * _ROW] + low * v[j + U(5) * _ROW]) * pivot
+        v[k + U(4 * LINES)] = (v[k + U(4 * LINES)] + low * v[j + U(4 * LINES)]) * pivot
+        v[k + U(5 * LINES)] = (v[k + U(5 * LINES)] + low * v[j + U(5 * LINES)]) * pivot
 
 
 @kernel
@@ -135,7 +131,7 @@ def substitute(x, v, count, m, at, n, along, aside):
         o = U(l * _STEP)
         after = U((l + 1) * _STEP)
         for q in range(3):
-            row = U(3 + q) * _ROW
+            row = U(3 + q) * U(LINES)
             if l < count:
                 for t in range(m):
                     v[o + row + U(t)] += v[o + _LAST + U(t)] * v[after + row + U(t)]
@@ -145,11 +141,11 @@ def substitute(x, v, count, m, at, n, along, aside):
 
 
 @kernel
-def relax_across(x, f, control, shape, axis, parity, first, stop, v):
+def relax_across(x, f, control, shape, axis, parity, first, stop, row, v):
     """Zebra lines along a (axis 0) or b (axis 1) in the slices ``1 + parity + 2 k`` of the other, k in first..stop.
 
-    In c, c = 1, 3, ... come before 2, 4, ..., in strips of 2 `LINES`, while their nodes are in the cache. v needs room
-    for `LINES` lines.
+    In c, c = 1, 3, ... come before 2, 4, ..., in strips of `NODES`, while their nodes are in the cache. Equations are
+    set up at all nodes of a strip and every other is taken: neighbours in memory are dealt with much faster.
     """
     n = shape[0] * shape[1] * shape[2]
     sa = shape[1] * shape[2]
@@ -159,12 +155,16 @@ def relax_across(x, f, control, shape, axis, parity, first, stop, v):
     count = shape[axis] - 2
     v[:_STEP] = 0.0
     for k in range(first, stop):
-        for start in range(1, shape[2] - 1, 2 * LINES):
+        for start in range(1, shape[2] - 1, NODES):
             for c in range(start, min(start + 2, shape[2] - 1)):
                 m = min(LINES, (shape[2] - c) // 2)
                 at = (1 + parity + 2 * k) * across + c
                 for l in range(1, count + 1):
-                    equations(x, f, control, at + l * along, 2, m, n, sa, sb, axis, v, l * _STEP)
+                    equations(x, f, control, at + l * along, 2 * m - 1, n, sa, sb, axis, row)
+                    for field in range(FIELDS):
+                        o = U(l * _STEP + field * LINES)
+                        for t in range(m):
+                            v[o + U(t)] = row[U(field * NODES) + U(2) * U(t)]
                     eliminate(v, l * _STEP, m, axis)
                 substitute(x, v, count, m, at, n, along, 2)
 
@@ -183,12 +183,12 @@ def relax_along(x, f, control, shape, parity, first, stop, row, v):
                 m = min(LINES, (shape[1] - b) // 2)
                 at = (1 + parity + 2 * k) * sa + b * sb
                 for t in range(m):
-                    for c in range(1, shape[2] - 1, LINES):
-                        length = min(LINES, shape[2] - 1 - c)
-                        equations(x, f, control, at + 2 * t * sb + c, 1, length, n, sa, sb, 2, row, 0)
+                    for c in range(1, shape[2] - 1, NODES):
+                        length = min(NODES, shape[2] - 1 - c)
+                        equations(x, f, control, at + 2 * t * sb + c, length, n, sa, sb, 2, row)
                         for s in range(length):
                             for field in range(FIELDS):
-                                v[U((c + s) * _STEP + field * LINES + t)] = row[U(field * LINES + s)]
+                                v[U((c + s) * _STEP + field * LINES + t)] = row[U(field * NODES + s)]
                 for l in range(1, count + 1):
                     eliminate(v, l * _STEP, m, 2)
                 substitute(x, v, count, m, at, n, 1, 2 * sb)
@@ -206,21 +206,21 @@ def defect(x, f, control, shape, first, stop, row, r, squares):
     for a in range(first, stop):
         total = 0.0
         for b in range(1, shape[1] - 1):
-            for c in range(1, shape[2] - 1, LINES):
-                m = min(LINES, shape[2] - 1 - c)
+            for c in range(1, shape[2] - 1, NODES):
+                m = min(NODES, shape[2] - 1 - c)
                 at = a * sa + b * sb + c
-                equations(x, f, control, at, 1, m, n, sa, sb, -1, row, 0)
+                equations(x, f, control, at, m, n, sa, sb, -1, row)
                 for t in range(m):
                     o = U(t)
-                    dx = row[o + _DEFECT]
-                    dy = row[o + U(4) * _ROW]
-                    dz = row[o + U(5) * _ROW]
-                    scale = 1.0 / (2.0 * (row[o] + row[o + _ROW] + row[o + U(2) * _ROW]) + TINY)
+                    dx = row[o + U(3 * NODES)]
+                    dy = row[o + U(4 * NODES)]
+                    dz = row[o + U(5 * NODES)]
+                    scale = 1.0 / (2.0 * (row[o] + row[o + U(NODES)] + row[o + U(2 * NODES)]) + TINY)
                     total += (dx * dx + dy * dy + dz * dz) * scale * scale
                 if len(r):
                     for q in range(3):
                         for t in range(m):
-                            r[U(at + q * n + t)] = -row[U((3 + q) * LINES + t)]
+                            r[U(at + q * n + t)] = -row[U((3 + q) * NODES + t)]
         squares[a] = total
 
 
@@ -232,13 +232,13 @@ def couplings(x, f, control, shape, first, stop, row, shares):
     sb = shape[2]
     for a in range(first, stop):
         for b in range(1, shape[1] - 1):
-            for c in range(1, shape[2] - 1, LINES):
-                m = min(LINES, shape[2] - 1 - c)
-                equations(x, f, control, a * sa + b * sb + c, 1, m, n, sa, sb, -1, row, 0)
+            for c in range(1, shape[2] - 1, NODES):
+                m = min(NODES, shape[2] - 1 - c)
+                equations(x, f, control, a * sa + b * sb + c, m, n, sa, sb, -1, row)
                 for t in range(m):
-                    whole = row[t] + row[LINES + t] + row[2 * LINES + t] + TINY
+                    whole = row[U(t)] + row[U(NODES + t)] + row[U(2 * NODES + t)] + TINY
                     for d in range(3):
-                        shares[a, d] += row[d * LINES + t] / whole
+                        shares[a, d] += row[U(d * NODES + t)] / whole
 
 
 @kernel(inline=True)

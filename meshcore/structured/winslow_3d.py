@@ -137,7 +137,7 @@ class _Space(Level):
         if axis == 2:
             kernels.relax_along(*self._flat, parity, first, stop, _row(), lines)
         else:
-            kernels.relax_across(*self._flat, axis, parity, first, stop, lines)
+            kernels.relax_across(*self._flat, axis, parity, first, stop, _row(), lines)
 
     def defect(self) -> np.ndarray:
         """f - N(x), zero on the boundary; the array is used again by the next call."""
@@ -183,7 +183,7 @@ class _Space(Level):
 
 
 def _row() -> np.ndarray:
-    return np.empty(kernels.FIELDS * kernels.LINES)
+    return np.empty(kernels.FIELDS * kernels.NODES)
 
 
 def _levels(points: np.ndarray, growth: np.ndarray | None, workers: Workers) -> list[Level]:

@@ -50,13 +50,13 @@ def shell(n):
 
 
 def test_the_defect_is_that_of_the_slow_twin():
-    points = bent(6, 41, 5)  # more nodes along j and k than lines are solved side by side
+    points = bent(4, 141, 5)  # more nodes along j than are dealt with at once
     control = np.random.default_rng(3).uniform(-0.8, 0.8, points.shape)
     for order in ((0, 1, 2), (2, 1, 0), (1, 0, 2)):
         turned = np.ascontiguousarray(points.transpose(*order, 3))
         rates = np.ascontiguousarray(control.transpose(*order, 3))
         x, r = np.moveaxis(turned, -1, 0).ravel(), np.zeros(turned.size)
-        row, squares = np.empty(kernels.FIELDS * kernels.LINES), np.zeros(len(turned))
+        row, squares = np.empty(kernels.FIELDS * kernels.NODES), np.zeros(len(turned))
         flat = np.moveaxis(rates, -1, 0).ravel()
         kernels.defect(x, 0 * x, flat, turned.shape[:3], 1, len(turned) - 1, row, r, squares)
         expected = -naive.elliptic_defects(turned, rates)
