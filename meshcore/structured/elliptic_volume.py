@@ -115,14 +115,15 @@ def elliptic_volume(
     warnings = []
     # If cells are folded, another start may lead to another solution; and weaker control folds less.
     tries = [(points, 1.0), (filled, 1.0)] + [(filled, 0.5**k) for k in range(1, _HALVINGS + 1) if growth is not None]
-    for start, strength in tries:
+    for number, (start, strength) in enumerate(tries):
+        span = [1 - (1 - part) * 0.5**k for k in (number, number + 1)]
         smooth, outcome = winslow_3d.solved(
             start,
             growth=growth if growth is None else strength * growth,
             tolerance=residual,
             most=max_cycles,
             threads=threads,
-            progress=part_of(progress, part, 1.0),
+            progress=part_of(progress, *span),
         )
         if not winslow_3d.count_folded(smooth):
             if strength < 1:

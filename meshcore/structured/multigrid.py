@@ -217,14 +217,16 @@ def solve(
     """
     level = levels[0]
     outcome = Outcome([level.residual()])
+    goal = max((tolerance or 0.0) * outcome.residuals[0], ROUNDING)
+    before = level.x.copy()
     full_multigrid(levels, first, outcome)
     accelerator = Anderson(level.x.size, workers)
     outcome.residuals.append(level.residual())
-    goal = max((tolerance or 0.0) * outcome.residuals[0], ROUNDING)
+    if not outcome.residuals[1] <= max(GROWTH * outcome.residuals[0], goal):  # coarse grids had other solutions
+        level.x[...], outcome.residuals[1] = before, outcome.residuals[0]
     if outcome.residuals[-1] <= goal:
         outcome.converged, outcome.error = True, 0.0
     moves: list[float] = []
-    before = np.empty_like(level.x)
     step, since = 1.0, 0
     for number in range(most):
         if outcome.converged:

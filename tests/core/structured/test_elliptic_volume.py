@@ -109,8 +109,12 @@ def test_control_that_folds_cells_is_weakened():
     def pull(i, j, k):
         return np.where(j < 6, 1.5, -1.5)
 
-    grid, report = mc.elliptic_volume(StructuredGrid(start), control_functions=(pull, 0, 0))
+    seen = []
+    grid, report = mc.elliptic_volume(
+        StructuredGrid(start), control_functions=(pull, 0, 0), progress=lambda done, message: seen.append(done)
+    )
     assert "with 0.25 of its strength" in report.warnings[0]
+    assert seen == sorted(seen)
     assert (quality.measure(grid, "jacobian") > 0).all()
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from meshcore import Cancelled, StructuredGrid, quality
 from meshcore.structured import _winslow_3d_kernels as kernels
-from meshcore.structured.winslow_3d import solved
+from meshcore.structured.winslow_3d import count_folded, solved
 from tests import naive
 
 
@@ -161,6 +161,22 @@ def test_a_folded_start_unfolds():
     found, outcome = solved(start, tolerance=1e-10)
     assert outcome.converged
     np.testing.assert_allclose(found, exact, atol=1e-8)
+
+
+def test_thin_cells_at_a_wall_and_needles_converge():
+    walls, needles = box(16, 16, 40), box(20, 20, 20)
+    w = walls[..., 2] = 1 + np.tanh(5.5 * (walls[..., 2] - 1)) / np.tanh(5.5)  # the first cell is 2e-5 high
+    walls[..., 2] = w + 0.15 * np.sin(np.pi * walls[..., 0]) * (1 - w)
+    walls[..., 0] += 0.1 * np.sin(np.pi * walls[..., 1]) * np.sin(2 * w)
+    needles[..., 0] += 0.2 * np.sin(np.pi * needles[..., 1]) * np.sin(2 * needles[..., 2])
+    needles[..., 2] *= 1000
+    for points in (walls, needles):
+        for order in ((0, 1, 2), (2, 0, 1), (1, 2, 0)):
+            start = naive.filled_box(np.ascontiguousarray(points.transpose(*order, 3)))
+            found, outcome = solved(start, tolerance=1e-8)
+            assert outcome.converged
+            assert outcome.cycles <= 13
+            assert count_folded(found) == 0
 
 
 def test_a_rough_block_converges_by_shorter_corrections():
