@@ -17,9 +17,10 @@ from ..quality import measure, summary
 from ..report import Report, Result
 from ..threads import checked_threads
 from . import winslow_3d, winslow_surface
-from .boundary_growth import ControlFunction, blended, boundary_growth, user_growth
-from .cage import block_of_cage
+from .boundary_growth import ControlFunction, boundary_growth, user_growth
 from .limits import check_size
+from .quad_nets import cage_of
+from .transfinite_volume import interpolated_volume
 
 Control = Literal["none", "boundary spacing"]
 _HALVINGS = 3  # of control functions that fold the grid
@@ -61,7 +62,7 @@ def elliptic_volume(
     block : StructuredGrid or Mesh
         A grid in space, whose inside is the start; or a closed cage of "quad" cells in rows and columns, as a cube that
         was subdivided and bent, or "hexahedron" cells of one block, of which only the surface matters. In these i, j,
-        k leave the point with the least number of the eight corners.
+        k run along x, y and z, as nearly as can be.
     control : {"none", "boundary spacing"}
         "boundary spacing" carries the spacing on the faces inside, as cells along walls need. Where that would fold
         cells it is weakened, and the report says so.
@@ -110,7 +111,7 @@ def elliptic_volume(
     points = grid.points
     if faces == "smoothed":
         points = _with_smooth_faces(points, control, max_cycles, part_of(progress, 0.0, part))
-    filled = blended(points, (0, 1, 2))
+    filled = _filled(points)
     growth = _growth(filled, control, control_functions)
     warnings = []
     # If cells are folded, another start may lead to another solution; and weaker control folds less.
@@ -150,7 +151,8 @@ def elliptic_volume(
 def _as_block(block: Mesh | StructuredGrid) -> StructuredGrid:
     """A right-handed grid in space; the inside of a cage is filled by transfinite interpolation."""
     if isinstance(block, Mesh):
-        block = StructuredGrid(blended(block_of_cage(block), (0, 1, 2)))
+        surface = block.boundary if len(block.get("hexahedron")) else block
+        block = StructuredGrid(interpolated_volume(cage_of(surface, "block"), blending="linear"))
     elif not isinstance(block, StructuredGrid):
         raise InvalidInput(f"needs a StructuredGrid or a Mesh, got {type(block).__name__}", parameter="block")
     if block.is_surface:
@@ -167,6 +169,12 @@ def _as_block(block: Mesh | StructuredGrid) -> StructuredGrid:
         cell_data={name: values[::-1] for name, values in block.cell_data.items()},
         names={names.get(face, face): name for face, name in block.names.items()},
     )
+
+
+def _filled(points: np.ndarray) -> np.ndarray:
+    """The block with its inside interpolated between its faces."""
+    faces = {f"{'ijk'[axis]}{end}": points.take(k, axis) for axis in range(3) for k, end in ((0, "min"), (-1, "max"))}
+    return interpolated_volume(faces, blending="linear")
 
 
 def _growth(points: np.ndarray, control: Control, functions: Sequence[ControlFunction] | None) -> np.ndarray | None:
@@ -191,7 +199,7 @@ def _with_smooth_faces(points: np.ndarray, control: Control, max_cycles: int, pr
             face[...], _ = winslow_surface.smoothed(
                 face, controlled=control == "boundary spacing", most=max_cycles, progress=step
             )
-    return blended(points, (0, 1, 2))
+    return _filled(points)
 
 
 def _refuse_folds(grid: StructuredGrid) -> None:

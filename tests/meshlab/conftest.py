@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import tempfile
 from dataclasses import replace
 
 import numpy as np
 import pymeshlab
 import pytest
 
-from meshcore import Relative, gallery, io, operations
+from meshcore import Relative, gallery, operations
 
 
 def lines_layer(mesh):

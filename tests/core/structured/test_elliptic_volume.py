@@ -6,7 +6,6 @@ import pytest
 import meshcore as mc
 from meshcore import GenerationFailed, InvalidGeometry, InvalidInput, Mesh, StructuredGrid, gallery, quality
 from meshcore.structured.boundary_growth import blended, boundary_growth
-from meshcore.structured.cage import block_of_cage
 from tests import naive
 
 
@@ -31,39 +30,19 @@ def test_filling_is_the_boolean_sum():
     assert same_boundary(blended(points, (0, 1, 2)), points)
 
 
-def test_a_cage_is_found_however_its_points_are_numbered():
-    block = box(3, 4, 5) * [1, 2, 4]
-    block[1:-1, 1:-1, 1:-1] = np.nan
-    cage = surface_of(np.nan_to_num(block))
-    rng = np.random.default_rng(12)
-    for _ in range(5):
-        number = rng.permutation(cage.n_points)
-        points = np.empty_like(cage.points)
-        points[number] = cage.points
-        quads = rng.permutation(number[cage.get("quad")])
-        for turned in (quads, quads[:, ::-1]):
-            found = block_of_cage(Mesh(points, {"quad": turned}))
-            steps = [found[1, 0, 0] - found[0, 0, 0], found[0, 1, 0] - found[0, 0, 0], found[0, 0, 1] - found[0, 0, 0]]
-            assert np.linalg.det(steps) > 0
-            corners = found[[0, -1]][:, [0, -1]][:, :, [0, -1]].reshape(-1, 3)
-            numbers = [np.flatnonzero((points == corner).all(axis=1))[0] for corner in corners]
-            assert numbers[0] == min(numbers)
-            rows = np.unique(np.round(found[np.isfinite(found[..., 0])], 12), axis=0)
-            np.testing.assert_array_equal(rows, np.unique(np.round(block[np.isfinite(block[..., 0])], 12), axis=0))
-            assert sorted(found.shape[:3]) == [4, 5, 6]
-
-
 def test_a_grid_its_hexahedra_and_its_surface_have_the_same_result():
     start = naive.filled_box(np.sin(box(6, 7, 8)) + 0.2 * box(6, 7, 8)[..., ::-1] ** 2)
     one, _ = mc.elliptic_volume(StructuredGrid(start), residual=1e-10)
     for other in (StructuredGrid(start).to_mesh(), surface_of(start)):
-        assert (mc.elliptic_volume(other, residual=1e-10)[0].points == one.points).all()
+        same, _ = mc.elliptic_volume(other, residual=1e-10)
+        np.testing.assert_allclose(same.points, one.points, atol=1e-10)  # starts differ by rounding
+        assert same_boundary(same.points, start)
     assert same_boundary(one.points, start)
 
 
 def test_a_dented_box_is_filled_where_its_start_is_folded():
-    cage = gallery.dented_box(12, depth=0.7)
-    block = block_of_cage(cage)
+    block, _ = mc.transfinite_volume(gallery.dented_box(12, depth=0.7))
+    block = block.points.copy()
     block[:, :, 0, 2] += 0.25 * np.sin(2 * np.pi * block[:, :, 0, 0]) * np.sin(np.pi * block[:, :, 0, 1]) ** 2
     start = blended(block, (0, 1, 2))
     grid, report = mc.elliptic_volume(StructuredGrid(start))
@@ -182,7 +161,7 @@ def test_bad_blocks_are_named():
         mc.elliptic_volume(StructuredGrid(good[:, :, :1]))
     with pytest.raises(InvalidInput, match="block: needs a StructuredGrid or a Mesh, got ndarray"):
         mc.elliptic_volume(good)
-    with pytest.raises(InvalidInput, match="got triangle"):
+    with pytest.raises(InvalidInput, match="block: needs quads alone, has 0 and 1 other faces"):
         mc.elliptic_volume(Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], {"triangle": [[0, 1, 2]]}))
     nan = good.copy()
     nan[1, 1, 1] = np.nan
@@ -199,19 +178,10 @@ def test_bad_blocks_are_named():
 def test_bad_cages_are_named():
     cage = surface_of(box(3, 3, 3))
     quads = cage.get("quad")
-    with pytest.raises(InvalidGeometry, match="8"):
+    with pytest.raises(InvalidGeometry, match="block: is open"):
         mc.elliptic_volume(Mesh(cage.points, {"quad": quads[3:]}))
-    turned = quads.copy()
-    turned[5] = turned[5][::-1]
-    with pytest.raises(InvalidGeometry, match="same direction"):
-        mc.elliptic_volume(Mesh(cage.points, {"quad": turned}))
-    torus = np.stack(np.meshgrid(np.arange(6), np.arange(6), indexing="ij"), axis=-1).reshape(-1, 2)
-    around = [(np.ravel_multi_index(((torus + step) % 6).T, (6, 6))) for step in ((0, 0), (1, 0), (1, 1), (0, 1))]
-    ring = np.column_stack([np.cos(torus[:, 0]), np.sin(torus[:, 0]), torus[:, 1]]).astype(float)
-    with pytest.raises(InvalidGeometry, match="0 points where three quads meet"):
-        mc.elliptic_volume(Mesh(ring, {"quad": np.column_stack(around)}))
     two = Mesh(np.concatenate([cage.points, cage.points + 5]), {"quad": np.concatenate([quads, quads + cage.n_points])})
-    with pytest.raises(InvalidGeometry, match="has 16 points"):
+    with pytest.raises(InvalidGeometry, match="has 16 points where three quads meet"):
         mc.elliptic_volume(two)
 
 
