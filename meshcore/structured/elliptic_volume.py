@@ -13,7 +13,7 @@ from ..errors import GenerationFailed, InvalidGeometry, InvalidInput
 from ..mesh import Mesh, StructuredGrid
 from ..operation import Param, Port, operation
 from ..progress import Progress, part_of, silent
-from ..quality import measure, summary
+from ..quality import measure, summary, validate
 from ..report import Report, Result
 from ..threads import checked_threads
 from . import winslow_3d, winslow_surface
@@ -131,7 +131,8 @@ def elliptic_volume(
                 warnings.append(f"control acts with {strength:g} of its strength: with more of it cells would fold")
             break
     result = grid.with_points(smooth)
-    _refuse_folds(result)  # which is all that `validate` asks of a grid's hexahedra
+    _refuse_folds(result)
+    validate(result)
     if not outcome.converged:
         warnings.append(
             f"stopped after {outcome.cycles} cycles, an estimated {outcome.error:.2g} spacings from the converged "
