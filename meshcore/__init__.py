@@ -11,8 +11,16 @@ from .operation import Length, Relative, operations
 from .progress import Progress, silent
 from .report import Report, Result
 from .sizing import discretised
-from .structured import Attractor, Wall, elliptic, elliptically_smoothed, o_grid, transfinite, transfinite_volume
-from .structured import elliptic_volume, o_grid, transfinite, transfinite_volume
+from .structured import (
+    Attractor,
+    Wall,
+    elliptic,
+    elliptic_volume,
+    elliptically_smoothed,
+    o_grid,
+    transfinite,
+    transfinite_volume,
+)
 from .unstructured import (
     Tetrahedralization,
     Triangulation,
@@ -52,8 +60,8 @@ __all__ = [
     "delaunay_refinement",
     "discretised",
     "elliptic",
-    "elliptically_smoothed",
     "elliptic_volume",
+    "elliptically_smoothed",
     "io",
     "locate",
     "o_grid",

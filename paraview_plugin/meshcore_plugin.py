@@ -805,13 +805,6 @@ def vtk_type_of(content):
     <Documentation short_help="Elliptic Grid">Fill a planar four-sided patch with a smooth grid by the elliptic
     equations.</Documentation>
     <InputProperty name="Input" label="South" port_index="0" command="SetInputConnection">
-@smproxy.filter(name="meshcoreEllipticVolume", label="meshcore Elliptic Volume", support_reload=False)
-@smhint.xml('<ShowInMenu category="meshcore"/>')
-@smproperty.xml(
-    """
-    <Documentation short_help="Elliptic Volume">Fill a block with a smooth grid by the elliptic equations, or smooth
-    the grid that it has.</Documentation>
-    <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
       <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
       <DataTypeDomain name="input_type" composite_data_supported="0">
         <DataType value="vtkDataSet"/>
@@ -1003,6 +996,21 @@ class meshcoreEllipticGrid(Operation):
 
     def SetTolerance(self, value):
         self.set("tolerance", value if value >= 0 else BY_DEFAULT)
+
+
+
+@smproxy.filter(name="meshcoreEllipticVolume", label="meshcore Elliptic Volume", support_reload=False)
+@smhint.xml('<ShowInMenu category="meshcore"/>')
+@smproperty.xml(
+    """
+    <Documentation short_help="Elliptic Volume">Fill a block with a smooth grid by the elliptic equations, or smooth
+    the grid that it has.</Documentation>
+    <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
       <Documentation>A block: closed cage of quads in rows and columns, or hexahedra.</Documentation>
     </InputProperty>
     <IntVectorProperty name="Control" label="Control" command="SetControl" number_of_elements="1" default_values="1" panel_visibility="default">

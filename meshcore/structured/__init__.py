@@ -1,5 +1,4 @@
 """Structured grids: transfinite interpolation, elliptic equations, block topologies, and operators on curved grids."""
-"""Structured grids: transfinite interpolation, elliptic generation, block topologies, and operators on curved grids."""
 
 from .control_functions import Attractor
 from .curvilinear import Curvilinear
@@ -19,9 +18,9 @@ __all__ = [
     "Metrics",
     "Wall",
     "elliptic",
+    "elliptic_volume",
     "elliptically_smoothed",
     "o_grid",
     "transfinite",
     "transfinite_volume",
 ]
-__all__ = ["Curvilinear", "FiniteVolumes", "Metrics", "elliptic_volume", "o_grid", "transfinite", "transfinite_volume"]
