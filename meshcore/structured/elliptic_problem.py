@@ -228,7 +228,10 @@ def _with_walls(points: np.ndarray, growth: np.ndarray | None, cyclic: bool, ask
         went = controlled(levels, walls, growth, progress=progress)
         free = [*(CUT if cyclic else ()), *(wall.side for wall in walls if wall.slides)]
         grid = frame.outside(levels.levels[0].points_without_ghosts, points, free)
-    quality = {"error of wall angles (degree)": went.angle, "error of first heights (%)": 100 * went.height}
+    quality = {
+        "error of wall angles (degree)": float(went.angle),
+        "error of first heights (%)": 100 * float(went.height),
+    }
     warnings = []
     if not went.converged:
         warnings.append(
