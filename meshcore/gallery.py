@@ -226,6 +226,23 @@ def dented_box(n: int = 8, *, depth: float = 0.3, bulge: float = 0.0) -> Mesh:
     return Mesh(surface.points, surface.cells).compacted()
 
 
+def rough_ring(n: int = 24, m: int = 8) -> Mesh:
+    """Quads around a hole, ``n`` around and ``m`` outwards, whose points inside were shifted about.
+
+    Examples
+    --------
+    >>> rough_ring(12, 4)
+    Mesh(60 points, 48 quad)
+    """
+    angle, radius = np.meshgrid(2 * np.pi * np.arange(n + 1) / n, np.linspace(1, 3, m + 1), indexing="ij")
+    inside = np.sin(np.pi * (radius - 1) / 2)
+    angle = angle + 0.3 * inside * np.sin(5 * angle)
+    radius = radius + 0.3 * inside * np.cos(4 * angle)
+    points = np.stack([radius * np.cos(angle), -radius * np.sin(angle)], axis=-1)
+    points = np.round(points * 2**20) / 2**20  # which single precision holds exactly, as hosts have it
+    return StructuredGrid(points, periodic=(True, False, False)).to_mesh()
+
+
 def turbine_passage(n: int = 24, m: int = 48, layers: int = 20, *, twist: float = 70.0) -> StructuredGrid:
     """Passage between two blades of a row: ``n`` cells across, ``m`` along the flow, from the hub outwards.
 
@@ -291,6 +308,7 @@ def arguments(identifier: str) -> tuple[tuple[Any, ...], dict[str, Any]]:
     calls: dict[str, tuple[tuple[Any, ...], dict[str, Any]]] = {
         "o_grid": ((airfoil("naca0012"),), {"radius": 4.0, "first_height": 0.01, "growth": 1.3}),
         "elliptic_volume": ((dented_box(),), {}),
+        "elliptically_smoothed": ((rough_ring(),), {}),
         "transfinite": (tuple(lines_through(side) for side in wavy_sides()), {}),
         "transfinite_volume": ((twisted_cage(),), {}),
         "elliptic": (tuple(lines_through(side) for side in wavy_sides()), {}),

@@ -97,8 +97,19 @@ def grid_of(dataset):
             dimensions=tuple(shape),
             point_data=arrays_of(dataset.GetPointData()),
             cell_data=arrays_of(dataset.GetCellData()),
+            field_data={**arrays_of(dataset.GetFieldData()), **_texts_of(dataset.GetFieldData())},
         )
     )
+
+
+def _texts_of(attributes):
+    """The named arrays of text of a dataset's field data, such as names of faces."""
+    arrays = [attributes.GetAbstractArray(k) for k in range(attributes.GetNumberOfArrays())]
+    return {
+        array.GetName(): np.array([array.GetValue(k) for k in range(array.GetNumberOfValues())])
+        for array in arrays
+        if isinstance(array, vtkStringArray) and array.GetName()
+    }
 
 
 def arrays_of(attributes):

@@ -157,11 +157,13 @@ def _tuple(rows: list[tuple[str, str, bool]]) -> str:
 
 
 def _takes(port: Port) -> str:
-    """What the runtime makes of a VTK dataset at this port: "lines", "grid" or "mesh"."""
+    """What the runtime makes of a VTK dataset at this port: "lines", "mesh", "grid", or "either" of these two."""
     if port.cells == ("line",):
         return "lines"
     kinds = typing.get_args(port.type) or (port.type,)
-    return "grid" if meshcore.StructuredGrid in kinds and meshcore.Mesh not in kinds else "mesh"
+    if meshcore.StructuredGrid not in kinds:
+        return "mesh"
+    return "either" if meshcore.Mesh in kinds else "grid"
 
 
 def _camel(name: str) -> str:

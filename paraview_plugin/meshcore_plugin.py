@@ -158,8 +158,19 @@ def grid_of(dataset):
             dimensions=tuple(shape),
             point_data=arrays_of(dataset.GetPointData()),
             cell_data=arrays_of(dataset.GetCellData()),
+            field_data={**arrays_of(dataset.GetFieldData()), **_texts_of(dataset.GetFieldData())},
         )
     )
+
+
+def _texts_of(attributes):
+    """The named arrays of text of a dataset's field data, such as names of faces."""
+    arrays = [attributes.GetAbstractArray(k) for k in range(attributes.GetNumberOfArrays())]
+    return {
+        array.GetName(): np.array([array.GetValue(k) for k in range(array.GetNumberOfValues())])
+        for array in arrays
+        if isinstance(array, vtkStringArray) and array.GetName()
+    }
 
 
 def arrays_of(attributes):
@@ -487,7 +498,7 @@ def converted(dataset, cells, name):
     from meshcore import InvalidGeometry
 
     try:
-        if cells == "grid":
+        if cells == "grid" or (cells == "either" and isinstance(dataset, vtkStructuredGrid)):
             return grid_of(dataset)
         return boundary_of(dataset) if cells == "lines" else mesh_of(dataset)[0]
     except InvalidGeometry as error:
@@ -1045,7 +1056,7 @@ class meshcoreEllipticGrid(Operation):
 class meshcoreEllipticVolume(Operation):
     operation = "elliptic_volume"
     label = "meshcore Elliptic Volume"
-    ports = (("block", "mesh", False),)
+    ports = (("block", "either", False),)
     output = "vtkStructuredGrid"
 
     def SetControl(self, value):
@@ -1053,6 +1064,93 @@ class meshcoreEllipticVolume(Operation):
 
     def SetFaces(self, value):
         self.set("faces", ('kept', 'smoothed')[value])
+
+    def SetResidual(self, value):
+        self.set("residual", value or None)
+
+    def SetMaxCycles(self, value):
+        self.set("max_cycles", value)
+
+
+
+@smproxy.filter(name="meshcoreEllipticSmoothing", label="meshcore Elliptic Smoothing", support_reload=False)
+@smhint.xml('<ShowInMenu category="meshcore"/>')
+@smproperty.xml(
+    """
+    <Documentation short_help="Elliptic Smoothing">Smooth a planar structured grid by the elliptic equations; its
+    boundary is kept, the cut of an O-grid is free.</Documentation>
+    <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>A planar grid: quads in rows and columns, with four corners or around a hole.</Documentation>
+    </InputProperty>
+    <IntVectorProperty name="Control" label="Control" command="SetControl" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="none"/><Entry value="1" text="boundary spacing"/></EnumerationDomain>
+      <Documentation>Whether the sides' spacing is carried inside, or lines spread evenly (Laplace).</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="Walls" label="Walls" command="SetWalls" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="none"/><Entry value="1" text="south"/><Entry value="2" text="east"/><Entry value="3" text="north"/><Entry value="4" text="west"/><Entry value="5" text="south and north"/><Entry value="6" text="west and east"/><Entry value="7" text="all"/></EnumerationDomain>
+      <Documentation>Sides where the angle of lines and the first height are controlled.</Documentation>
+    </IntVectorProperty>
+    <DoubleVectorProperty name="FirstHeight" label="First Height" command="SetFirstHeight" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Length of the first edge at walls; by default what it becomes; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="WallAngle" label="Wall Angle" command="SetWallAngle" number_of_elements="1" default_values="90.0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="10" max="170"/>
+      <Documentation>Angle between walls and the lines that leave them, in degrees.</Documentation>
+    </DoubleVectorProperty>
+    <IntVectorProperty name="Sliding" label="Sliding" command="SetSliding" number_of_elements="1" default_values="0" panel_visibility="default">
+      <BooleanDomain name="bool"/>
+      <Documentation>Whether points slide along walls to make the angle, instead of lines that lean.</Documentation>
+    </IntVectorProperty>
+    <DoubleVectorProperty name="Residual" label="Residual" command="SetResidual" number_of_elements="1" default_values="0" panel_visibility="advanced">
+      <DoubleRangeDomain name="range" min="0" max="1"/>
+      <Documentation>Residual to reach, of the start's; by default near to the converged grid; 0 leaves it
+      out.</Documentation>
+    </DoubleVectorProperty>
+    <IntVectorProperty name="MaxCycles" label="Max Cycles" command="SetMaxCycles" number_of_elements="1" default_values="60" panel_visibility="advanced">
+      <IntRangeDomain name="range" min="1"/>
+      <Documentation>Cycles after which to give up.</Documentation>
+    </IntVectorProperty>
+    <PropertyGroup label="Parameters">
+      <Property name="Control"/>
+      <Property name="Walls"/>
+    </PropertyGroup>
+    <PropertyGroup label="Walls">
+      <Property name="FirstHeight"/>
+      <Property name="WallAngle"/>
+      <Property name="Sliding"/>
+    </PropertyGroup>
+    <PropertyGroup label="Advanced">
+      <Property name="Residual"/>
+      <Property name="MaxCycles"/>
+    </PropertyGroup>
+    """
+)
+class meshcoreEllipticSmoothing(Operation):
+    operation = "elliptically_smoothed"
+    label = "meshcore Elliptic Smoothing"
+    ports = (("grid", "either", False),)
+    output = "vtkStructuredGrid"
+
+    def SetControl(self, value):
+        self.set("control", ('none', 'boundary spacing')[value])
+
+    def SetWalls(self, value):
+        self.set("walls", ('none', 'south', 'east', 'north', 'west', 'south and north', 'west and east', 'all')[value])
+
+    def SetFirstHeight(self, value):
+        self.set("first_height", value or None)
+
+    def SetWallAngle(self, value):
+        self.set("wall_angle", value)
+
+    def SetSliding(self, value):
+        self.set("sliding", bool(value))
 
     def SetResidual(self, value):
         self.set("residual", value or None)
@@ -1440,7 +1538,7 @@ class meshcoreTransfiniteInterpolation(Operation):
 class meshcoreTransfiniteVolume(Operation):
     operation = "transfinite_volume"
     label = "meshcore Transfinite Volume"
-    ports = (("imin", "mesh", False), ("imax", "mesh", True), ("jmin", "mesh", True), ("jmax", "mesh", True), ("kmin", "mesh", True), ("kmax", "mesh", True))
+    ports = (("imin", "either", False), ("imax", "either", True), ("jmin", "either", True), ("jmax", "either", True), ("kmin", "either", True), ("kmax", "either", True))
     output = "vtkStructuredGrid"
 
     def SetCellsI(self, value):

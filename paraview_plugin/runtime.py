@@ -8,7 +8,7 @@ from pathlib import Path
 
 from paraview import print_error, print_warning
 from paraview.util.vtkAlgorithm import VTKPythonAlgorithmBase
-from vtkmodules.vtkCommonDataModel import vtkDataObject
+from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkStructuredGrid
 from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm, vtkStreamingDemandDrivenPipeline
 
 from .conversion import boundary_of, fill, fill_report, grid_of, mesh_of
@@ -207,7 +207,7 @@ def converted(dataset, cells, name):
     from meshcore import InvalidGeometry
 
     try:
-        if cells == "grid":
+        if cells == "grid" or (cells == "either" and isinstance(dataset, vtkStructuredGrid)):
             return grid_of(dataset)
         return boundary_of(dataset) if cells == "lines" else mesh_of(dataset)[0]
     except InvalidGeometry as error:

@@ -114,6 +114,17 @@ class StructuredGrid:
         """The same grid with more point data."""
         return replace(self, point_data={**self.point_data, **arrays})
 
+    def reversed_along_i(self) -> StructuredGrid:
+        """The same grid counted from its other end along i: imin and imax change places, left and right hand too."""
+        places = {"imin": "imax", "imax": "imin"}
+        return replace(
+            self,
+            points=self.points[::-1],
+            point_data={name: values[::-1] for name, values in self.point_data.items()},
+            cell_data={name: values[::-1] for name, values in self.cell_data.items()},
+            names={places.get(face, face): name for face, name in self.names.items()},
+        )
+
     def flat(self, values: np.ndarray) -> np.ndarray:
         """(ni, nj, nk, ...) values as (ni * nj * nk, ...), i running fastest as in VTK."""
         values = np.asarray(values)

@@ -2,7 +2,8 @@
 
 from .control_functions import Attractor
 from .curvilinear import Curvilinear
-from .elliptic import elliptic, elliptically_smoothed
+from .elliptic import elliptic
+from .elliptic_smoothing import elliptically_smoothed
 from .elliptic_volume import elliptic_volume
 from .finite_volumes import FiniteVolumes
 from .metrics import Metrics

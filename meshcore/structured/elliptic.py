@@ -1,25 +1,33 @@
-"""Planar elliptic grids between four sides, or from a grid that is to be smoothed (survey 2.5.1)."""
+"""Planar elliptic grids between four sides (survey 2.5.1)."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated, Literal
+from typing import Annotated
 
-from ..errors import GenerationFailed, InvalidInput
+from ..errors import GenerationFailed
 from ..geometry.curves import Curve
 from ..mesh import StructuredGrid
-from ..operation import Length, Param, Port, Relative, absolute, operation
+from ..operation import Length, Param, Port, Relative, operation
 from ..progress import Progress, part_of, silent
 from ..report import Result
 from ..threads import checked_threads
 from .control_functions import Attractor, ControlFunction
-from .elliptic_problem import Asked, Control, Equation, solved
+from .elliptic_parameters import (
+    ControlParam,
+    FirstHeightParam,
+    MaxCyclesParam,
+    ResidualParam,
+    SlidingParam,
+    WallAngleParam,
+    WallsParam,
+    asked_walls,
+)
+from .elliptic_problem import Asked, Equation, solved
 from .transfinite import transfinite
-from .wall_control import Wall
-from .winslow import MOST_CYCLES, SIDES
+from .winslow import CUT, MOST_CYCLES
 
 _SIDE = "line cells in one chain, or points in order"
-Walls = Literal["none", "south", "east", "north", "west", "south and north", "west and east", "all"]
 
 
 @operation("Elliptic Grid", category="Structured", output="grid")
@@ -42,29 +50,16 @@ def elliptic(
     equation: Annotated[
         Equation, Param("Poisson with control functions, or biharmonic: slopes at walls at once, folds more easily")
     ] = "Poisson",
-    control: Annotated[
-        Control, Param("Whether the sides' spacing is carried inside, or lines spread evenly (Laplace)")
-    ] = "boundary spacing",
-    walls: Annotated[Walls, Param("Sides where the angle of lines and the first height are controlled")] = "none",
-    first_height: Annotated[
-        Length | None, Param("Length of the first edge at walls; by default what it becomes", group="Walls")
-    ] = None,
-    wall_angle: Annotated[
-        float, Param("Angle between walls and the lines that leave them", min=10, max=170, unit="degree", group="Walls")
-    ] = 90.0,
-    sliding: Annotated[
-        bool, Param("Whether points slide along walls to make the angle, instead of lines that lean", group="Walls")
-    ] = False,
+    control: ControlParam = "boundary spacing",
+    walls: WallsParam = "none",
+    first_height: FirstHeightParam = None,
+    wall_angle: WallAngleParam = 90.0,
+    sliding: SlidingParam = False,
     periodic: Annotated[
         bool, Param("Whether east is west moved along, and the grid runs on through both, as between blades")
     ] = False,
-    residual: Annotated[
-        float | None,
-        Param(
-            "Residual to reach, of the start's; by default near to the converged grid", min=1e-13, max=1, advanced=True
-        ),
-    ] = None,
-    max_cycles: Annotated[int, Param("Cycles after which to give up", min=1, advanced=True)] = MOST_CYCLES,
+    residual: ResidualParam = None,
+    max_cycles: MaxCyclesParam = MOST_CYCLES,
     corners: Annotated[
         tuple[int, int, int, int],
         Param("Points of a closed loop that are its corners; four times -1 finds them", min=-1, advanced=True),
@@ -177,12 +172,21 @@ def elliptic(
         "tolerance": tolerance,
     }
     start, warnings = _transfinite_start(south, east, north, west, progress=part_of(progress, 0.0, 0.1), **given)
+    given_walls = asked_walls(
+        walls,
+        first_height,
+        wall_angle,
+        sliding,
+        diagonal=start.diagonal,
+        places=_places(start),
+        cuts=CUT if periodic else (),
+    )
     asked = Asked(
         equation=equation,
         control=control,
         control_functions=control_functions,
         attractors=attractors,
-        walls=_walls(walls, start, first_height, wall_angle, sliding),
+        walls=given_walls,
         periodic=periodic,
         residual=residual,
         most_cycles=max_cycles,
@@ -191,66 +195,6 @@ def elliptic(
     result = solved(start, asked, part_of(progress, 0.1, 1.0))
     result.report.warnings[:0] = warnings
     return result
-
-
-def elliptically_smoothed(
-    grid: StructuredGrid,
-    *,
-    control: Control = "none",
-    control_functions: Sequence[ControlFunction] | None = None,
-    attractors: Sequence[Attractor] = (),
-    walls: Sequence[Wall] = (),
-    residual: float | None = None,
-    max_cycles: int = MOST_CYCLES,
-    threads: int | None = None,
-    progress: Progress = silent,
-) -> Result:
-    """Smooth a planar structured grid by the elliptic equations; its boundary is kept, the cut of an O-grid is free.
-
-    Parameters
-    ----------
-    grid : StructuredGrid
-        A surface grid in one plane, possibly folded; `periodic` along i or j makes the cut free.
-    control, control_functions, attractors, residual, max_cycles, threads, progress
-        As for `elliptic`.
-    walls : sequence of Wall
-        Sides with what is asked there.
-
-    Returns
-    -------
-    Result
-        A grid of the same shape, names and point data, and the report.
-
-    Raises
-    ------
-    InvalidInput
-        If the grid has layers, or a control is impossible.
-    InvalidGeometry
-        If the grid does not lie in one plane, or its cells run clockwise.
-    GenerationFailed
-        If cells stay folded; `cells` are the folded ones, `partial` the grid.
-
-    Examples
-    --------
-    >>> from meshcore import gallery
-    >>> from meshcore.structured import o_grid
-    >>> rough, _ = o_grid(gallery.airfoil("naca0012", cells=64), radius=4, layers=24, first_height=0.02)
-    >>> grid, report = elliptically_smoothed(rough, walls=[Wall("south", first_height=0.02)])
-    >>> report.converged, report.quality["error of wall angles (degree)"] < 1
-    (True, True)
-    """
-    if not grid.is_surface:
-        raise InvalidInput(f"needs one layer of points, got {grid.shape[2]}", parameter="grid")
-    asked = Asked(
-        control=control,
-        control_functions=control_functions,
-        attractors=attractors,
-        walls=walls,
-        residual=residual,
-        most_cycles=max_cycles,
-        threads=checked_threads(threads),
-    )
-    return solved(grid, asked, progress)
 
 
 def _transfinite_start(*sides: Curve | None, **given) -> tuple[StructuredGrid, list[str]]:
@@ -264,17 +208,7 @@ def _transfinite_start(*sides: Curve | None, **given) -> tuple[StructuredGrid, l
     return grid, report.warnings
 
 
-def _walls(chosen: Walls, grid: StructuredGrid, first_height: Length | None, angle: float, sliding: bool) -> list[Wall]:
-    """What is asked at the sides, which may stand elsewhere in a grid that had to be turned."""
-    if chosen == "none":
-        for name, given in (("first_height", first_height is not None), ("sliding", sliding)):
-            if given:
-                raise InvalidInput("is given, but no walls; name the sides that are walls", parameter=name)
-        return []
-    names = SIDES if chosen == "all" else chosen.split(" and ")
+def _places(grid: StructuredGrid) -> dict[str, str]:
+    """Where the sides stand in a grid that had to be turned."""
     faces = {"jmin": "south", "imax": "east", "jmax": "north", "imin": "west"}
-    places = {name: faces[face] for face, name in grid.names.items()}
-    height = None if first_height is None else absolute(first_height, grid.diagonal)
-    turned = places.get("west", "west") != "west"
-    angles = {side: 180 - angle if turned and side in ("south", "north") else angle for side in SIDES}
-    return [Wall(places[name], height, angles[places[name]], sliding) for name in names]
+    return {name: faces[face] for face, name in grid.names.items()}

@@ -130,9 +130,12 @@ def solved(start: StructuredGrid, asked: Asked, progress: Progress = silent) -> 
     flat = plane.to_plane(spatial.reshape(-1, 3)).reshape(*spatial.shape[:2], 2)
     if start.periodic[0] and start.periodic[1]:
         raise InvalidInput("is periodic along i and j, which no planar grid can be", parameter="grid")
-    if np.ptp(spatial[..., 2]) == 0 and orientation(flat) < 0:
+    if is_left_handed(start):
         raise InvalidGeometry("is left-handed: its cells run clockwise; reverse its i", parameter="grid")
     transposed = start.periodic[1]
+    cuts = cuts_of(start, asked.periodic)
+    if absent := [wall.side for wall in asked.walls if wall.side in cuts]:
+        raise InvalidInput(f"{absent[0]} is where the periodic grid is cut, not a wall", parameter="walls")
     sliding = [wall.side for wall in asked.walls if wall.slides]
     if transposed:
         flat, asked = np.ascontiguousarray(flat.swapaxes(0, 1)), asked.transposed()
@@ -141,7 +144,7 @@ def solved(start: StructuredGrid, asked: Asked, progress: Progress = silent) -> 
     found = _planar(flat, start.periodic[0] or transposed or asked.periodic, asked, progress)
     points = found.points.swapaxes(0, 1) if transposed else found.points
     spatial = plane.to_space(points.reshape(-1, 2)).reshape(*points.shape[:2], 3)
-    for side in (side for side in SIDES if side not in (*_cuts(start, asked), *sliding)):
+    for side in (side for side in SIDES if side not in (*cuts, *sliding)):
         spatial[SIDES[side]] = start.points[:, :, 0][SIDES[side]]
     grid = start.with_points(spatial)
     refuse_folds(grid, _CURE)
@@ -158,9 +161,36 @@ def solved(start: StructuredGrid, asked: Asked, progress: Progress = silent) -> 
     return Result(grid, report)
 
 
-def _cuts(grid: StructuredGrid, asked: Asked) -> tuple[str, ...]:
-    """Sides that are no boundary, being where a periodic grid is cut."""
-    return CUT if grid.periodic[0] or asked.periodic else ("south", "north") if grid.periodic[1] else ()
+def is_left_handed(grid: StructuredGrid) -> bool:
+    """Whether the cells of a grid in the plane of x and y run clockwise; in other planes nobody can tell.
+
+    Examples
+    --------
+    >>> x, y = np.meshgrid([0.0, 1, 2], [0.0, 1], indexing="ij")
+    >>> grid = StructuredGrid(np.stack([x, y], axis=-1))
+    >>> is_left_handed(grid), is_left_handed(grid.reversed_along_i())
+    (False, True)
+    """
+    points = grid.points[:, :, 0]
+    return bool(np.ptp(points[..., 2]) == 0 and orientation(points[..., :2]) < 0)
+
+
+def cuts_of(grid: StructuredGrid, repeats: bool = False) -> tuple[str, ...]:
+    """Sides that are no boundary, being where a periodic grid is cut.
+
+    Parameters
+    ----------
+    grid : StructuredGrid
+        A surface grid.
+    repeats : bool
+        Whether east is west moved along.
+
+    Examples
+    --------
+    >>> cuts_of(StructuredGrid(np.zeros((4, 3, 2)), periodic=(False, True, False)))
+    ('south', 'north')
+    """
+    return CUT if grid.periodic[0] or repeats else ("south", "north") if grid.periodic[1] else ()
 
 
 def _check_periodic(points: np.ndarray) -> None:

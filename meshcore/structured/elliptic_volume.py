@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Annotated, Literal, Union
 
 import numpy as np
@@ -18,6 +17,7 @@ from ..report import Report, Result
 from ..threads import checked_threads
 from . import winslow_3d, winslow_surface
 from .boundary_growth import ControlFunction, boundary_growth, user_growth
+from .elliptic_parameters import MaxCyclesParam, ResidualParam
 from .limits import check_size
 from .quad_nets import cage_of
 from .transfinite_volume import interpolated_volume
@@ -41,13 +41,8 @@ def elliptic_volume(
         Literal["kept", "smoothed"],
         Param("Whether the points of the six faces stay, or are first smoothed on the surfaces through them"),
     ] = "kept",
-    residual: Annotated[
-        float | None,
-        Param(
-            "Residual to reach, of the start's; by default near to the converged grid", min=1e-13, max=1, advanced=True
-        ),
-    ] = None,
-    max_cycles: Annotated[int, Param("Cycles after which to give up", min=1, advanced=True)] = 60,
+    residual: ResidualParam = None,
+    max_cycles: MaxCyclesParam = 60,
     control_functions: Sequence[ControlFunction] | None = None,
     threads: int | None = None,
     progress: Progress = silent,
@@ -160,16 +155,7 @@ def _as_block(block: Mesh | StructuredGrid) -> StructuredGrid:
         raise InvalidInput(f"is a surface, {block!r}; give a grid of two or more layers of points", parameter="block")
     ni, nj, nk = block.shape
     check_size(ni * nj, nk, parameter="block")
-    if not winslow_3d.is_left_handed(block.points):
-        return block
-    names = {"imin": "imax", "imax": "imin"}
-    return replace(
-        block,
-        points=block.points[::-1],
-        point_data={name: values[::-1] for name, values in block.point_data.items()},
-        cell_data={name: values[::-1] for name, values in block.cell_data.items()},
-        names={names.get(face, face): name for face, name in block.names.items()},
-    )
+    return block.reversed_along_i() if winslow_3d.is_left_handed(block.points) else block
 
 
 def _filled(points: np.ndarray) -> np.ndarray:

@@ -1,15 +1,16 @@
-"""Quads in rows and columns, found in a mesh: one patch with four corners, or a closed cage with eight."""
+"""Quads in rows and columns, found in a mesh: a patch with four corners, a ring, or a closed cage with eight."""
 
 from __future__ import annotations
 
 from collections.abc import Container
 from functools import cached_property
 from itertools import permutations
+from typing import NoReturn
 
 import numpy as np
 
 from ..errors import InvalidGeometry
-from ..mesh import Mesh
+from ..mesh import Mesh, StructuredGrid
 
 
 class QuadNet:
@@ -70,7 +71,8 @@ class QuadNet:
         along, across : int
             Its two neighbours in the first quad.
         corners : container of int
-            Where the patch ends, if it has a neighbour there; at an edge without neighbour it ends anyhow.
+            Where the patch ends, if it has a neighbour there; at an edge without neighbour it ends anyhow. With the
+            corner alone a ring ends where it began, and its last column is its first.
 
         Raises
         ------
@@ -89,7 +91,9 @@ class QuadNet:
             high = new
             columns.append(high)
         found = np.array(columns).T
-        if len(np.unique(found)) != found.size:
+        closes = len(columns) > 3 and columns[-1] == columns[0]
+        distinct = found[:, :-1] if closes else found
+        if len(np.unique(distinct)) != distinct.size:
             self._fail(high)
         return found
 
@@ -110,7 +114,7 @@ class QuadNet:
                 self._fail(low)
             quad = beyond
 
-    def _fail(self, points: list[int]) -> None:
+    def _fail(self, points: list[int]) -> NoReturn:
         raise InvalidGeometry(
             "its quads are not in rows and columns between the corners; give faces that are grids",
             parameter=self.parameter,
@@ -133,19 +137,34 @@ def patch_of(mesh: Mesh, parameter: str) -> np.ndarray:
     >>> patch_of(StructuredGrid(np.stack([x, y], axis=-1)).to_mesh(), "face").shape
     (3, 2, 3)
     """
+    return mesh.points[_patch(_net(mesh, parameter))]
+
+
+def grid_of(mesh: Mesh, parameter: str) -> StructuredGrid:
+    """The structured grid that a patch or a ring of quads is, with the mesh's point data.
+
+    i and j begin at the corner, of a ring at the boundary's point, with the lowest number. i follows the first quad's
+    nodes, of a ring the boundary, around which it is periodic: the mesh of a grid gives the grid again.
+
+    Raises
+    ------
+    InvalidGeometry
+        If the mesh has cells other than quads, or is neither a patch with four corners nor a ring.
+
+    Examples
+    --------
+    >>> from meshcore import gallery
+    >>> from meshcore.structured import o_grid
+    >>> grid = o_grid(gallery.circle(24), radius=3, layers=8).mesh
+    >>> again = grid_of(grid.to_mesh(), "grid")
+    >>> again, again.periodic, bool((again.points == grid.points).all())
+    (StructuredGrid(25 x 9 points), (True, False, False), True)
+    """
     net = _net(mesh, parameter)
-    corners = np.flatnonzero(net.valence == 1)
-    if len(corners) != 4:
-        raise InvalidGeometry(
-            f"needs a patch of quads with four corners, where one quad has a point alone; it has {len(corners)}",
-            parameter=parameter,
-            points=corners,
-        )
-    corner = int(corners[0])
-    nodes = next(quad for quad in net.quads if corner in quad)
-    k = nodes.index(corner)
-    found = net.rows(corner, nodes[(k + 1) % 4], nodes[k - 1], ())
-    return mesh.points[_all(found, net)]
+    is_ring = net.valence.max() > 1 and not (net.valence == 1).any() and not net.is_closed
+    found = (_ring(net) if is_ring else _patch(net))[:, :, None]
+    data = {name: values[found] for name, values in mesh.point_data.items()}
+    return StructuredGrid(mesh.points[found], data, periodic=(is_ring, False, False))
 
 
 def cage_of(mesh: Mesh, parameter: str) -> dict[str, np.ndarray]:
@@ -207,6 +226,37 @@ def _net(mesh: Mesh, parameter: str) -> QuadNet:
             f"needs quads alone, has {len(mesh.get('quad'))} and {others} other faces", parameter=parameter
         )
     return QuadNet(mesh, parameter)
+
+
+def _patch(net: QuadNet) -> np.ndarray:
+    """(n, m) int: points of a patch with four corners."""
+    corners = np.flatnonzero(net.valence == 1)
+    if len(corners) != 4:
+        raise InvalidGeometry(
+            f"needs a patch of quads with four corners, where one quad has a point alone; it has {len(corners)}",
+            parameter=net.parameter,
+            points=corners,
+        )
+    corner = int(corners[0])
+    nodes = next(quad for quad in net.quads if corner in quad)
+    k = nodes.index(corner)
+    return _all(net.rows(corner, nodes[(k + 1) % 4], nodes[k - 1], ()), net)
+
+
+def _ring(net: QuadNet) -> np.ndarray:
+    """(n, m) int: points of a ring, of which the last row repeats the first."""
+    ends = [edge for edge, quads in net.at_edge.items() if len(quads) == 1]
+    start = min(map(min, ends))
+    for a, b in (edge for edge in ends if start in edge):
+        nodes = net.quads[net.at_edge[a, b][0]]
+        k = nodes.index(start)
+        if nodes[(k + 1) % 4] in (a, b):
+            found = net.rows(start, nodes[k - 1], nodes[(k + 1) % 4], (start,)).T
+            if (found[0] != found[-1]).any():
+                break
+            _all(found[:-1], net)
+            return found
+    net._fail([start])
 
 
 def _all(found: np.ndarray, net: QuadNet) -> np.ndarray:

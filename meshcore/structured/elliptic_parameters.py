@@ -1,0 +1,79 @@
+"""What elliptic operations ask alike: their parameters, each declared once, and what these mean at the sides."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Literal
+
+from ..errors import InvalidInput
+from ..operation import Length, Param, absolute
+from .elliptic_problem import Control
+from .wall_control import Wall
+from .winslow import SIDES
+
+Walls = Literal["none", "south", "east", "north", "west", "south and north", "west and east", "all"]
+
+ControlParam = Annotated[
+    Control, Param("Whether the sides' spacing is carried inside, or lines spread evenly (Laplace)")
+]
+WallsParam = Annotated[Walls, Param("Sides where the angle of lines and the first height are controlled")]
+FirstHeightParam = Annotated[
+    Length | None, Param("Length of the first edge at walls; by default what it becomes", group="Walls")
+]
+WallAngleParam = Annotated[
+    float, Param("Angle between walls and the lines that leave them", min=10, max=170, unit="degree", group="Walls")
+]
+SlidingParam = Annotated[
+    bool, Param("Whether points slide along walls to make the angle, instead of lines that lean", group="Walls")
+]
+ResidualParam = Annotated[
+    float | None,
+    Param("Residual to reach, of the start's; by default near to the converged grid", min=1e-13, max=1, advanced=True),
+]
+MaxCyclesParam = Annotated[int, Param("Cycles after which to give up", min=1, advanced=True)]
+
+
+def asked_walls(
+    chosen: Walls,
+    first_height: Length | None,
+    angle: float,
+    sliding: bool,
+    *,
+    diagonal: float,
+    places: Mapping[str, str] | None = None,
+    cuts: Sequence[str] = (),
+) -> list[Wall]:
+    """What the parameters of walls ask at the sides of a grid.
+
+    Parameters
+    ----------
+    chosen, first_height, angle, sliding
+        As for `elliptic`.
+    diagonal : float
+        Size of the grid, for relative lengths.
+    places : mapping of str to str, optional
+        Where in the grid each named side stands, if the grid had to be turned.
+    cuts : sequence of str
+        Sides that are no boundary; "all" leaves them out.
+
+    Raises
+    ------
+    InvalidInput
+        If a height or sliding is asked for, but no walls.
+
+    Examples
+    --------
+    >>> asked_walls("south", 0.01, 80.0, False, diagonal=1.0)
+    [Wall(side='south', first_height=0.01, angle=80.0, slides=False)]
+    """
+    if chosen == "none":
+        for name, given in (("first_height", first_height is not None), ("sliding", sliding)):
+            if given:
+                raise InvalidInput("is given, but no walls; name the sides that are walls", parameter=name)
+        return []
+    places = places or {side: side for side in SIDES}
+    names = [side for side in SIDES if side not in cuts] if chosen == "all" else chosen.split(" and ")
+    height = None if first_height is None else absolute(first_height, diagonal)
+    turned = places["west"] != "west"
+    angles = {side: 180 - angle if turned and side in ("south", "north") else angle for side in SIDES}
+    return [Wall(places[name], height, angles[places[name]], sliding) for name in names]
