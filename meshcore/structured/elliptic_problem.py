@@ -126,7 +126,7 @@ class Found:
 def solved(start: StructuredGrid, asked: Asked, progress: Progress = silent) -> Result:
     """The elliptic grid with the boundary of a planar one, checked."""
     spatial = start.points[:, :, 0]
-    plane = fitted_plane(spatial.reshape(-1, 3), parameter="grid")
+    plane = fitted_plane(start.flat(start.points), parameter="grid")  # which numbers points as hosts do
     flat = plane.to_plane(spatial.reshape(-1, 3)).reshape(*spatial.shape[:2], 2)
     if start.periodic[0] and start.periodic[1]:
         raise InvalidInput("is periodic along i and j, which no planar grid can be", parameter="grid")

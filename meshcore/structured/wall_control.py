@@ -267,7 +267,7 @@ def controlled(
     for step in range(most_steps):
         r = finest.points_without_ghosts
         found = [measured(r, control.wall.side, levels.sign, finest.cyclic) for control in controls]
-        angle, height = np.max([c.excess(f) for c, f in zip(controls, found, strict=True)], axis=0).tolist()
+        angle, height = np.max([c.excess(f) for c, f in zip(controls, found, strict=True)], axis=0)
         if angle < angle_within and height < height_within and history[-1] < RESIDUAL_WITHIN:
             return Controlled(tuple(history), angle, height, True)
         worst.append(angle / angle_within + height / height_within)

@@ -151,6 +151,15 @@ def test_what_is_no_grid_is_refused():
         mc.elliptically_smoothed(mc.Mesh(bent, {"quad": quads.get("quad")}))
 
 
+def test_a_point_off_the_plane_is_told_by_its_number_in_files():
+    points = np.array(mc.StructuredGrid(wavy(7, 4, 0.0)).points)
+    points[5, 1, 0, 2] = 0.3
+    grid = mc.StructuredGrid(points)
+    for given in (grid, grid.to_mesh()):
+        with pytest.raises(InvalidGeometry, match=f"point {5 + 7 * 1} is"):
+            mc.elliptically_smoothed(given)
+
+
 @pytest.mark.parametrize("make", [rough_ring, open_ring])
 def test_the_command_line_smooths_a_file(tmp_path, capsys, make):
     given, made = tmp_path / "rough.vts", tmp_path / "smooth.vts"

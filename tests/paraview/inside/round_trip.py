@@ -13,16 +13,20 @@ from datasets import (
     dimensions,
     fetched,
     of_mesh,
+    points_of,
     polylines,
     producer,
     texts,
     unstructured,
 )
 from harness import OUT, input_names, load_plugin, run_checks, save
+from vtkmodules.vtkCommonCore import vtkStringArray, vtkUnsignedCharArray
+from vtkmodules.vtkCommonDataModel import vtkStructuredGrid
 
 import meshcore
 from meshcore import gallery
 from meshcore.geometry.curves import lines_through
+from meshcore.io.vtk_data import FACE_NAMES, encoded
 
 load_plugin()
 
@@ -214,6 +218,56 @@ def check_regions_and_cell_data_come_back():
     dataset = fetched(proxy)
     assert_same_mesh(dataset, mesh)
     assert "region" in content(dataset)[2]
+
+
+def structured(grid, *, with_fields=True):
+    """A vtkStructuredGrid of a meshcore grid, with what only field data can say or without."""
+    dataset = vtkStructuredGrid()
+    dataset.SetDimensions(*grid.shape)
+    dataset.SetPoints(points_of(grid.flat(grid.points)))
+    if with_fields:
+        for name, values in encoded(grid).field_data.items():
+            array = vtkStringArray() if values.dtype.kind == "U" else vtkUnsignedCharArray()
+            array.SetName(name)
+            for value in values.tolist():
+                array.InsertNextValue(value)
+            dataset.GetFieldData().AddArray(array)
+    return dataset
+
+
+def field_numbers(dataset, name):
+    """A numeric array of the field data."""
+    array = dataset.GetFieldData().GetArray(name)
+    return [int(array.GetTuple1(k)) for k in range(array.GetNumberOfTuples())]
+
+
+def check_a_structured_grid_is_smoothed_with_its_cut_free():
+    rough, _ = meshcore.o_grid(gallery.airfoil("naca0012", cells=48), radius=4, layers=16, first_height=0.02)
+    mesh, _ = meshcore.elliptically_smoothed(rough, walls="south", first_height=0.02)
+    assert abs(mesh.points[0, 1:-1] - rough.points[0, 1:-1]).max() > 1e-4
+    for with_fields in (True, False):
+        given = producer(structured(rough, with_fields=with_fields))
+        dataset = fetched(pv.meshcoreEllipticSmoothing(Input=given, Walls="south", FirstHeight=0.02))
+        assert_same_mesh(dataset, mesh)
+        assert field_numbers(dataset, "periodic") == [1, 0, 0]
+    given = producer(structured(rough))
+    names = texts(fetched(pv.meshcoreEllipticSmoothing(Input=given)).GetFieldData(), FACE_NAMES)
+    assert names == ["", "", "wall", "far field", "", ""], names
+
+
+def check_a_disk_of_paraviews_own_is_smoothed():
+    disk = pv.Disk(InnerRadius=0.5, OuterRadius=1.0, RadialResolution=6, CircumferentialResolution=24)
+    dataset = fetched(pv.meshcoreEllipticSmoothing(Input=disk))
+    assert dimensions(dataset) == (25, 7, 1)
+    radius = np.linalg.norm(content(dataset)[0], axis=1).reshape(7, 25)
+    even = np.sort(0.5 * 2 ** (np.arange(7) / 6))  # for ln r is harmonic
+    np.testing.assert_allclose(np.sort(radius.mean(axis=1)), even, rtol=5e-3)
+
+
+def check_a_volume_keeps_its_inside_as_start():
+    passage = gallery.turbine_passage(6, 10, 5)
+    dataset = fetched(pv.meshcoreEllipticVolume(Input=producer(structured(passage))))
+    assert_same_mesh(dataset, meshcore.elliptic_volume(passage).mesh)
 
 
 if __name__ == "__main__":
