@@ -11,7 +11,7 @@ import numpy as np
 from ..errors import GenerationFailed, InvalidGeometry, InvalidInput
 from ..mesh import Mesh, StructuredGrid
 from ..operation import Param, Port, operation
-from ..progress import Progress, part_of, silent
+from ..progress import Progress, advance, part_of, silent
 from ..quality import measure, summary, validate
 from ..report import Report, Result
 from ..threads import checked_threads
@@ -24,7 +24,7 @@ from .transfinite_volume import interpolated_volume
 
 Control = Literal["none", "boundary spacing"]
 _HALVINGS = 3  # of control functions that fold the grid
-_FACES = {"kept": 0.0, "smoothed": 0.2}  # and what part of the time they take
+_FACES = {"kept": 0.01, "smoothed": 0.2}  # and what part of the time they take
 
 
 @operation("Elliptic Volume", category="Structured", output="grid")
@@ -102,10 +102,11 @@ def elliptic_volume(
     """
     checked_threads(threads)
     grid = _as_block(block)
+    advance(progress, 0.01, "smoothing")
     part = _FACES[faces]
     points = grid.points
     if faces == "smoothed":
-        points = _with_smooth_faces(points, control, max_cycles, part_of(progress, 0.0, part))
+        points = _with_smooth_faces(points, control, max_cycles, part_of(progress, 0.01, part))
     filled = _filled(points)
     growth = _growth(filled, control, control_functions)
     warnings = []

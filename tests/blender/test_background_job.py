@@ -88,7 +88,7 @@ def stand_in(operators, identifier="transfinite", **values):
     declaration = registry["operations"][identifier]
     rna = scene.operator(identifier).get_rna_type().properties
     shown = {}
-    for name in declaration["params"]:
+    for name in [*declaration["params"], *scene.addon("inputs").by_name(declaration)]:
         one = rna[name]
         shown[name] = list(one.default_array) if getattr(one, "is_array", False) else one.default
     made = operators.OperationBase()

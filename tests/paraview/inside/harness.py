@@ -29,9 +29,10 @@ def load_plugin(*, remote: bool = False) -> None:
 
 
 def input_names(operation) -> list[str]:
-    """What a script calls the inputs of an operation: the first is Input, but for the four sides of a patch."""
+    """What a script calls the inputs of an operation: the first is Input, unless another one takes the same cells."""
     names = [name.title().replace("_", "") for name in operation.inputs]
-    return names if operation.id == "transfinite" else ["Input", *names[1:]]
+    ports = list(operation.inputs.values())
+    return names if any(port.cells == ports[0].cells for port in ports[1:]) else ["Input", *names[1:]]
 
 
 @contextlib.contextmanager
