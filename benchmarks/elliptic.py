@@ -21,10 +21,10 @@ from meshcore._numba import kernel
 from meshcore.geometry.curves import polyline
 from meshcore.sizing import geometric
 from meshcore.structured.barrier import unfolded, weak_cells
-from meshcore.structured.team import Team
 from meshcore.structured.transfinite import interpolated
 from meshcore.structured.wall_control import FEWEST_CELLS, Wall, controlled, measured
 from meshcore.structured.winslow import CUT, Frame, levels_of, orientation, winslow
+from meshcore.threads import Workers
 
 TOLERANCE = 1e-8
 LINEAR = Target(2.5, 1.5, at_most=True)
@@ -168,8 +168,8 @@ def sweeps(r, factor, number):
 def relaxed(points: np.ndarray, factor: float, tolerance: float, seconds: float) -> tuple[float, float]:
     """Processor seconds until the residual is reached, extrapolated if it takes longer; and the residual reached."""
     frame = Frame.of(points)
-    with Team(1) as team:
-        finest = levels_of(frame.inside(points), False, team).levels[0]
+    with Workers(1) as workers:
+        finest = levels_of(frame.inside(points), False, workers).levels[0]
         scale = finest.residual()
         start, residuals, stops = time.process_time(), [1.0], [0.0]
         while residuals[-1] > tolerance and stops[-1] < seconds:
@@ -223,8 +223,8 @@ def with_wall(case: Case, height: float, threads: int) -> Walled:
     """The grid with right angles and the first height at the wall."""
     frame = Frame.of(case.points)
     growth = np.zeros((2, *case.points.shape[:2]))
-    with Team(threads) as team:
-        levels = levels_of(frame.inside(case.points), True, team, FEWEST_CELLS)
+    with Workers(threads) as workers:
+        levels = levels_of(frame.inside(case.points), True, workers, FEWEST_CELLS)
         went = controlled(levels, [Wall("south", height / frame.size)], growth)
         points = frame.outside(levels.levels[0].points_without_ghosts, case.points, CUT)
     points = unfolded(points, orientation(case.points), cyclic=True)

@@ -47,17 +47,20 @@ def available_threads() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def in_parts(pool: Executor | None, parts: int, work: Callable[..., object], start: int, stop: int) -> None:
+def in_parts(
+    pool: Executor | None, parts: int, work: Callable[..., object], start: int, stop: int, *, grain: int = 1
+) -> None:
     """Call ``work(first, last)`` on at most ``parts`` equal parts of ``range(start, stop)`` at once, and wait for all.
 
-    The work must give the same whatever the parts are.
+    The work must give the same whatever the parts are. Each but the last is a multiple of ``grain`` long.
 
     Examples
     --------
     >>> in_parts(None, 1, lambda first, last: print(first, last), 0, 5)
     0 5
     """
-    stops = [start + (stop - start) * k // parts for k in range(parts + 1)]
+    grains = (stop - start) // grain
+    stops = [*(start + grains * k // parts * grain for k in range(parts)), stop]
     parted = [(first, last) for first, last in itertools.pairwise(stops) if first < last]
     if pool is None or len(parted) < 2:
         for first, last in parted:
@@ -88,9 +91,30 @@ class Workers:
         if self._pool is not None:
             self._pool.shutdown()
 
-    def run(self, work: Callable[[int, int], object], start: int, stop: int, *, share: bool = True) -> None:
+    def run(
+        self,
+        work: Callable[[int, int], object],
+        start: int,
+        stop: int,
+        *,
+        most: int = MOST_THREADS,
+        grain: int = 1,
+    ) -> None:
         """Call ``work(first, last)`` on equal parts of ``range(start, stop)`` at once, and wait for all.
 
-        What is not worth sharing, being small, is done at one go.
+        Parameters
+        ----------
+        work : callable
+            It must give the same whatever the parts are.
+        start, stop : int
+            Whole range.
+        most : int
+            How many threads the work is worth; what is small is done at one go.
+        grain : int
+            Each part but the last is a multiple of it long.
         """
-        in_parts(self._pool, self._threads if share else 1, work, start, stop)
+        parts = min(self._threads, most)
+        if parts < 2:
+            work(start, stop)
+        else:
+            in_parts(self._pool, parts, work, start, stop, grain=grain)

@@ -14,12 +14,11 @@ from ..mesh import StructuredGrid
 from ..progress import Progress, silent
 from ..quality import summary, validate
 from ..report import Report, Result
-from ..threads import available_threads
+from ..threads import Workers, available_threads
 from .barrier import curable_cells, unfolded
 from .biharmonic import biharmonic
 from .control_functions import Attractor, ControlFunction, from_attractors, from_boundary, from_user
 from .folds import refuse_folds
-from .team import Team
 from .wall_control import FEWEST_CELLS, Wall, controlled
 from .winslow import CUT, MOST_CYCLES, SIDES, Frame, levels_of, orientation, winslow
 
@@ -253,8 +252,8 @@ def _with_walls(points: np.ndarray, growth: np.ndarray | None, cyclic: bool, ask
     ]
     if growth is None:
         growth = np.zeros((2, *points.shape[:2]))
-    with Team(asked.threads or available_threads()) as team:
-        levels = levels_of(frame.inside(points), cyclic, team, FEWEST_CELLS)
+    with Workers(asked.threads or available_threads()) as workers:
+        levels = levels_of(frame.inside(points), cyclic, workers, FEWEST_CELLS)
         went = controlled(levels, walls, growth, progress=progress)
         free = [*(CUT if cyclic else ()), *(wall.side for wall in walls if wall.slides)]
         grid = frame.outside(levels.levels[0].points_without_ghosts, points, free)

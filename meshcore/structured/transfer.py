@@ -27,8 +27,8 @@ def coarser(cells: int, least: int = LEAST_CELLS) -> int:
     return half if half >= least else cells
 
 
-SMALL = 50_000
-"""So many numbers are not worth a second thread."""
+NUMBERS_A_THREAD = 25_000
+"""With fewer numbers to work on, a further thread does not pay."""
 
 Table = tuple[np.ndarray, np.ndarray]
 """(m, t) places and (m, t) weights of the t values that make each of m new ones."""
@@ -124,7 +124,7 @@ class Transfer:
         def combine(first: int, stop: int) -> None:
             kernels.combine(source, *table, factor, adds, flat, first, stop)
 
-        self.workers.run(combine, 0, len(flat), share=out.size > SMALL)
+        self.workers.run(combine, 0, len(flat), most=out.size // NUMBERS_A_THREAD)
         return out
 
 

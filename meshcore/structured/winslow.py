@@ -12,10 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..progress import Progress, advance, silent
-from ..threads import available_threads
+from ..threads import Workers, available_threads
 from . import _winslow_mixing_kernels as mixing_kernels
-from .team import Team
-from .winslow_levels import FEWEST_CELLS, Levels
+from .winslow_levels import FEWEST_CELLS, POINTS_A_THREAD, Levels
 
 NEAR = 1e-3
 """By default a node may be so far from its converged place, in units of the shortest edge that ends there."""
@@ -131,9 +130,9 @@ def winslow(
     """
     if min(points.shape[:2]) < 3:
         return Solution(points.copy(), (0.0,), 0.0, True)
-    with Team(threads or available_threads()) as team:
+    with Workers(threads or available_threads()) as workers:
         frame = Frame.of(points)
-        levels = levels_of(frame.inside(points), cyclic, team)
+        levels = levels_of(frame.inside(points), cyclic, workers)
         if growth is not None:
             levels.set_growth(growth)
         finest = levels.levels[0]
@@ -193,7 +192,7 @@ def orientation(points: np.ndarray) -> float:
     return 1.0 if (one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]).sum() > 0 else -1.0
 
 
-def levels_of(r: np.ndarray, cyclic: bool, team: Team, fewest: tuple[int, int] = FEWEST_CELLS) -> Levels:
+def levels_of(r: np.ndarray, cyclic: bool, workers: Workers, fewest: tuple[int, int] = FEWEST_CELLS) -> Levels:
     """`Levels` of a grid, with its (2, ni, nj) coordinates put on the finest."""
     turn = ((r[:, 1] - r[:, 0]) * (r[:, -1] - r[:, -2])).sum(axis=0)
     levels = Levels(
@@ -202,7 +201,7 @@ def levels_of(r: np.ndarray, cyclic: bool, team: Team, fewest: tuple[int, int] =
         sharp=bool(min(turn[0], turn[-1]) < 0),
         shift=r[:, -1, 0] - r[:, 0, 0],
         sign=orientation(np.moveaxis(r, 0, -1)),
-        team=team,
+        workers=workers,
         fewest=fewest,
     )
     levels.levels[0].put(r)
@@ -277,7 +276,7 @@ def _converge(
             damping, best_at, mixing = _DAMPED, cycle, None
         advance(progress, cycle / most_cycles, f"residual {residual:.1e}")
         if mixing is None and (tolerance is not None or cycle >= _MIXED_FROM):
-            mixing = Mixing(finest.r, levels.team)
+            mixing = Mixing(finest.r, levels.workers)
         if mixing is None:
             before[:] = finest.r
         else:
@@ -294,17 +293,16 @@ class Mixing:
     ----------
     like : array
         What is iterated.
-    team : Team
+    workers : Workers
         Who does the work.
     """
 
-    def __init__(self, like: np.ndarray, team: Team):
-        self._team, self._used = team, -1
+    def __init__(self, like: np.ndarray, workers: Workers):
+        self._workers, self._used = workers, -1
         self._blocks = -(-like.size // mixing_kernels.BLOCK)
         self._step, self._result = np.zeros(like.size), np.zeros(like.size)
         self._steps, self._results = np.zeros((2, _WINDOW, like.size))
         self._sums = np.zeros((self._blocks, 2 * _WINDOW))
-        self._lanes = np.zeros((team.number, mixing_kernels.LANES))
         self._gram = np.zeros((_WINDOW, _WINDOW))
 
     def mix(self, r: np.ndarray, before: np.ndarray) -> None:
@@ -312,20 +310,23 @@ class Mixing:
         slot = self._used % _WINDOW
         flat, start = r.reshape(-1), before.reshape(-1)
         step, steps, result, results, sums = self._step, self._steps, self._result, self._results, self._sums
-        self._share(lambda _, a, b: mixing_kernels.remember(flat, start, step, result, steps, results, slot, a, b))
+        self._share(lambda a, b: mixing_kernels.remember(flat, start, step, result, steps, results, slot, a, b))
         share = np.zeros(_WINDOW)
         if self._used >= 0:
             known = min(self._used + 1, _WINDOW)
-            lanes = self._lanes
-            self._share(lambda k, a, b: mixing_kernels.products(steps[:known], step, slot, lanes[k], sums, a, b))
+
+            def products(a: int, b: int) -> None:
+                mixing_kernels.products(steps[:known], step, slot, np.empty(mixing_kernels.LANES), sums, a, b)
+
+            self._share(products)
             both = sums.sum(axis=0)
             self._gram[slot, :known] = self._gram[:known, slot] = both[:known]
             share[:known] = _least_squares(self._gram[:known, :known], both[known : 2 * known])
-        self._share(lambda _, a, b: mixing_kernels.mix(flat, start, results, share, a, b))
+        self._share(lambda a, b: mixing_kernels.mix(flat, start, results, share, a, b))
         self._used += 1
 
     def _share(self, run) -> None:
-        self._team.share(run, 0, self._blocks, self._step.size)
+        self._workers.run(run, 0, self._blocks, most=self._step.size // (2 * POINTS_A_THREAD))
 
 
 def _least_squares(gram: np.ndarray, right: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ from ..progress import Progress, silent
 from ..threads import Workers, available_threads
 from . import _winslow_3d_kernels as kernels
 from .multigrid import Level, Outcome, first_level, solve
-from .transfer import SMALL, Transfer, coarsened, coarser, growth_on_coarse
+from .transfer import NUMBERS_A_THREAD, Transfer, coarsened, coarser, growth_on_coarse
 
 WEAK = 0.3
 """A direction whose coupling is less than this part of the strongest is not coarsened yet."""
@@ -179,7 +179,7 @@ class _Space(Level):
         return shares.sum(axis=0)
 
     def _run(self, work, start: int, stop: int) -> None:
-        self._workers.run(work, start, stop, share=self.x.size > SMALL)
+        self._workers.run(work, start, stop, most=self.x.size // NUMBERS_A_THREAD)
 
 
 def _row() -> np.ndarray:

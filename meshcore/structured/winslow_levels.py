@@ -12,12 +12,14 @@ from functools import cached_property
 
 import numpy as np
 
+from ..threads import Workers
 from . import _winslow_kernels as kernels
 from . import _winslow_transfer_kernels as transfer
-from .team import Team
 
 FEWEST_CELLS = (8, 8)
 """Cells along i and j below which a direction is not coarsened: a ten-chord annulus collapses on fewer."""
+POINTS_A_THREAD = 60_000
+"""With fewer points to work on, a further thread does not pay."""
 _SWEEPS_AT_THE_BOTTOM = 8
 # A coarse correction that folds cells is shortened to this share, so often.
 _SHORTER, _SHORTENINGS = 0.4, 4
@@ -86,23 +88,21 @@ class Level:
         Whether the boundary turns back on itself where a cyclic grid is cut, see `_winslow_kernels.CORNER`.
     shift : (2,) float
         From the first to the last node along i of a cyclic grid; zero for an O-grid.
-    team : Team
+    workers : Workers
         Who does the work.
     is_finest : bool
         Whether its right-hand side is zero for ever.
     """
 
     def __init__(
-        self, cells: tuple[int, int], cyclic: bool, sharp: bool, shift: np.ndarray, team: Team, *, is_finest: bool
+        self, cells: tuple[int, int], cyclic: bool, sharp: bool, shift: np.ndarray, workers: Workers, *, is_finest: bool
     ):
-        self.cells, self.cyclic, self.shift, self.team = cells, cyclic, shift, team
+        self.cells, self.cyclic, self.shift, self._workers = cells, cyclic, shift, workers
         shape = (2, cells[0] + 1 + cyclic, cells[1] + 1)
         self.sharp = cells[0] if cyclic and sharp else 0  # row 0 is no unknown, so this is none
         self.r, self.d = np.zeros(shape), np.zeros(shape)
         one_row = (2, 1, shape[2])
         self.f, self.c = np.zeros(one_row if is_finest else shape), np.zeros(one_row)
-        self.work = np.zeros((team.number, kernels.RECORD * max(shape[1:])))
-        self.rows = np.zeros((team.number, 4, shape[2]))
         self._per_row = np.zeros(shape[1])
         self._folds = np.zeros(shape[1] - 1, np.int64)
 
@@ -111,8 +111,13 @@ class Level:
         """Nodes, ghosts included."""
         return self.r[0].size
 
-    def _share(self, run: Callable[[int, int, int], object], first: int, last: int, grain: int = 1) -> None:
-        self.team.share(run, first, last, self.points, grain)
+    def share(self, work: Callable[[int, int], object], first: int, last: int, grain: int = 1) -> None:
+        """Call ``work(first, last)`` on parts of some rows or columns at once."""
+        self._workers.run(work, first, last, most=self.points // POINTS_A_THREAD, grain=grain)
+
+    def rows(self, number: int) -> np.ndarray:
+        """(number, nj) room for rows, of no value yet: for one thread."""
+        return np.empty((number, self.r.shape[2]))
 
     def wrap(self) -> None:
         """Make ghosts follow."""
@@ -131,45 +136,47 @@ class Level:
 
     def smooth(self) -> None:
         """Solve every line of odd number, then of even, first along j, then along i."""
-        r, f, c, rows, work = self.r, self.f, self.c, self.rows, self.work
+        r, f, c = self.r, self.f, self.c
 
-        def along_j(k: int, a: int, b: int) -> None:
-            kernels.smooth_along_j(r, f, c, self.sharp, rows[k], work[k], a, b)
+        def along_j(a: int, b: int) -> None:
+            lines = np.empty(kernels.RECORD * r.shape[2])
+            kernels.smooth_along_j(r, f, c, self.sharp, self.rows(4), lines, a, b)
 
-        def along_i(k: int, a: int, b: int) -> None:
-            kernels.smooth_along_i(r, f, c, self.sharp, self.cyclic, work[k], a, b)
+        def along_i(a: int, b: int) -> None:
+            lines = np.empty(kernels.RECORD * r.shape[1])
+            kernels.smooth_along_i(r, f, c, self.sharp, self.cyclic, lines, a, b)
 
         for run, lines in ((along_j, r.shape[1]), (along_i, r.shape[2])):
             for odd in (1, 2):
-                self._share(run, odd, lines - 1, 2 * kernels.LANES)
+                self.share(run, odd, lines - 1, 2 * kernels.LANES)
                 self.wrap()
 
     def find_defect(self) -> None:
         """d = f - N(r)."""
-        self._share(
-            lambda k, a, b: kernels.defect(self.r, self.f, self.c, self.d, self.sharp, a, b), 1, self.r.shape[1] - 1
+        self.share(
+            lambda a, b: kernels.defect(self.r, self.f, self.c, self.d, self.sharp, a, b), 1, self.r.shape[1] - 1
         )
 
     def residual(self) -> float:
         """Root of the mean square of the way that a step of point Jacobi would move a node."""
         last = self.r.shape[1] - 1
 
-        def run(k: int, a: int, b: int) -> None:
-            kernels.jacobi_moves(self.r, self.f, self.c, self.sharp, self.rows[k], self._per_row, a, b)
+        def run(a: int, b: int) -> None:
+            kernels.jacobi_moves(self.r, self.f, self.c, self.sharp, self.rows(4), self._per_row, a, b)
 
-        self._share(run, 1, last)
+        self.share(run, 1, last)
         return float(np.sqrt(self._per_row[1:last].sum() / ((last - 1) * (self.r.shape[2] - 2))))
 
     def largest_move(self, before: np.ndarray) -> float:
         """The longest way of a node since ``before``, in units of the shortest edge at the node."""
         last = self.r.shape[1] - 1
-        self._share(lambda k, a, b: kernels.largest_moves(self.r, before, self._per_row, a, b), 1, last)
+        self.share(lambda a, b: kernels.largest_moves(self.r, before, self._per_row, a, b), 1, last)
         return float(np.sqrt(self._per_row[1:last].max()))
 
     def folds(self, sign: float) -> int:
         """How many cells have no area of the given sign."""
         last = self.r.shape[1] - 1
-        self._share(lambda k, a, b: kernels.count_folds(self.r, sign, self._folds, a, b), 0, last)
+        self.share(lambda a, b: kernels.count_folds(self.r, sign, self._folds, a, b), 0, last)
         return int(self._folds.sum())
 
 
@@ -178,7 +185,7 @@ class Levels:
 
     Parameters
     ----------
-    cells, cyclic, sharp, shift, team
+    cells, cyclic, sharp, shift, workers
         As of the finest `Level`.
     sign : float
         1 or -1, the sign of the grid's area: the orientation that cells must keep.
@@ -194,13 +201,13 @@ class Levels:
         sharp: bool,
         shift: np.ndarray,
         sign: float,
-        team: Team,
+        workers: Workers,
         fewest: tuple[int, int] = FEWEST_CELLS,
     ):
-        self.sign, self.team = sign, team
+        self.sign, self.workers = sign, workers
         self.levels, self.tables = [], []
         while True:
-            self.levels.append(Level(cells, cyclic, sharp, shift, team, is_finest=not self.levels))
+            self.levels.append(Level(cells, cyclic, sharp, shift, workers, is_finest=not self.levels))
             coarser = tuple((n + 1) // 2 if n > least else n for n, least in zip(cells, fewest, strict=True))
             if coarser == cells:
                 break
@@ -265,11 +272,11 @@ class Levels:
         along_i, along_j = self.tables[number]
         level, coarser = self.levels[number], self.levels[number + 1]
 
-        def run(k: int, a: int, b: int) -> None:
-            row = coarser.rows[k, 0]
+        def run(a: int, b: int) -> None:
+            row = coarser.rows(1)[0]
             transfer.correct(coarser.r, before, level.r, *along_i.to_fine, *along_j.to_fine, step, row, a, b)
 
-        self.team.share(run, 1, level.r.shape[1] - 1, level.points)
+        level.share(run, 1, level.r.shape[1] - 1)
         level.wrap()
 
     def _correct_guarded(self, number: int, step: float) -> None:
@@ -285,9 +292,9 @@ class Levels:
 
     def _average(self, number: int, fine: np.ndarray, coarse: np.ndarray, scale: float) -> None:
         along_i, along_j = self.tables[number]
-        rows = self.levels[number].rows
+        level = self.levels[number]
 
-        def run(k: int, a: int, b: int) -> None:
-            transfer.average(fine, coarse, *along_i.hats, *along_j.hats, scale, rows[k, 0], a, b)
+        def run(a: int, b: int) -> None:
+            transfer.average(fine, coarse, *along_i.hats, *along_j.hats, scale, level.rows(1)[0], a, b)
 
-        self.team.share(run, 1, coarse.shape[1] - 1, fine[0].size)
+        level.share(run, 1, coarse.shape[1] - 1)

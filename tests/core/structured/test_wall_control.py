@@ -9,9 +9,9 @@ from meshcore import gallery
 from meshcore.geometry.curves import polyline, resampled
 from meshcore.sizing import hyperbolic_tangent
 from meshcore.structured.barrier import weak_cells
-from meshcore.structured.team import Team
 from meshcore.structured.wall_control import FEWEST_CELLS, Wall, controlled, from_wall, measured
 from meshcore.structured.winslow import CUT, SIDES, Frame, levels_of, orientation
+from meshcore.threads import Workers
 from tests.core.structured.test_winslow import annulus, between, wavy
 
 
@@ -23,8 +23,8 @@ def run(start, walls, cyclic=False):
     """The controlled grid, and how it went, in the grid's own lengths."""
     frame = Frame.of(start)
     walls = [replace(w, first_height=w.first_height and w.first_height / frame.size) for w in walls]
-    with Team(1) as team:
-        levels = levels_of(frame.inside(start), cyclic, team, FEWEST_CELLS)
+    with Workers(1) as workers:
+        levels = levels_of(frame.inside(start), cyclic, workers, FEWEST_CELLS)
         went = controlled(levels, walls, np.zeros((2, *start.shape[:2])))
         free = [*(CUT if cyclic else ()), *(wall.side for wall in walls if wall.slides)]
         return frame.outside(levels.levels[0].points_without_ghosts, start, free), went

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from meshcore.structured import team
-from meshcore.structured.team import Team
+from meshcore.structured import winslow_levels
 from meshcore.structured.transfinite import interpolated
 from meshcore.structured.winslow import Frame, levels_of, smoothed_grid, winslow
 from meshcore.structured.winslow_levels import Level, Table
+from meshcore.threads import Workers
 from tests import naive
 
 
@@ -222,19 +222,19 @@ def test_symmetric_boundaries_have_symmetric_grids():
 
 
 def test_any_number_of_threads_gives_the_same_bits(monkeypatch):
-    monkeypatch.setattr(team, "_POINTS_WORTH_A_THREAD", 200)
+    monkeypatch.setattr(winslow_levels, "POINTS_A_THREAD", 200)
     for start, cyclic in ((wavy(301, 210), False), (annulus(240, 300), True)):
         one = winslow(start, cyclic=cyclic, tolerance=1e-8, threads=1).points
         for threads in (2, 3, 5):
             assert np.array_equal(winslow(start, cyclic=cyclic, tolerance=1e-8, threads=threads).points, one)
 
 
-def test_a_team_does_all_rows_once():
-    with Team(4) as four:
+def test_workers_do_all_rows_once():
+    with Workers(4) as four:
         seen: list[tuple[int, int]] = []
-        for last in (1, 30, 33, 500):
+        for last in (2, 30, 33, 500):
             seen.clear()
-            four.share(lambda k, a, b: seen.append((a, b)), 1, last, 10**6, 16)
+            four.run(lambda a, b: seen.append((a, b)), 1, last, grain=16)
             stops = sorted(seen)
             assert stops[0][0] == 1 and stops[-1][1] == last
             assert all(a[1] == b[0] and (b[0] - 1) % 16 == 0 for a, b in itertools.pairwise(stops))
@@ -279,7 +279,7 @@ def test_a_sweep_of_lines_solves_its_last_lines(cyclic):
     """After lines along i, the equations frozen before hold on the even columns: a linear problem is solved there."""
     start = annulus(14, 9) if cyclic else wavy(15, 10)
     frame = Frame.of(start)
-    with Team(1) as one:
+    with Workers(1) as one:
         level: Level = levels_of(frame.inside(start), cyclic, one).levels[0]
         n = level.r.shape[1]
         for _ in range(200):
