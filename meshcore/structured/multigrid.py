@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import itertools
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -17,7 +18,7 @@ import numpy as np
 from ..progress import Progress, advance, silent
 from ..threads import Workers
 from . import _multigrid_kernels as kernels
-from .transfer import Transfer
+from .transfer import NUMBERS_A_THREAD, Transfer
 
 COARSEST_SWEEPS = 12
 DEPTH = 3
@@ -149,15 +150,27 @@ class Anderson:
 
     Each step ``g(x)`` becomes the combination of the last ones whose change ``g(x) - x`` is least.
 
+    Parameters
+    ----------
+    size : int
+        Number of unknowns.
+    workers : Workers
+        Threads.
+    depth : int
+        Earlier steps that are remembered.
+    dtype : type
+        What they are remembered in. They steer only: single precision takes half the memory, but where steps hardly
+        converge, double precision goes farther.
+
     Attributes
     ----------
     last : (size,) float
         What the last step made, before it was improved.
     """
 
-    def __init__(self, size: int, workers: Workers, depth: int = DEPTH):
+    def __init__(self, size: int, workers: Workers, depth: int = DEPTH, dtype: type = np.float64):
         self._change, self.last = np.zeros((2, size))
-        self._changes, self._steps = np.zeros((2, depth, size), np.float32)  # they steer only: rough, half the memory
+        self._changes, self._steps = np.zeros((2, depth, size), dtype)
         self._gram = np.zeros((depth, depth))
         self._workers = workers
         self._chunks = -(-size // kernels.CHUNK)
@@ -172,17 +185,20 @@ class Anderson:
         depth = len(self._gram)
         slot = (self._taken - 1) % depth  # the first step differs from none: its slot is the first to be used again
         state = after, before, self._change, self.last, self._changes, self._steps, slot
-        self._workers.run(partial(kernels.remember, *state), 0, self._chunks)
+        self._share(partial(kernels.remember, *state))
         if used := min(self._taken, depth):
             sums = np.zeros((self._chunks, 2, used))
-            self._workers.run(partial(self._add_up, slot, sums), 0, self._chunks)
+            self._share(partial(self._add_up, slot, sums))
             self._gram[slot, :used], right = sums.sum(axis=0)
             self._gram[:used, slot] = self._gram[slot, :used]
             scale = 1 / np.sqrt(np.maximum(np.diag(self._gram)[:used], TINY))
             gram = self._gram[:used, :used] * scale[:, None] * scale
             factors = scale * np.linalg.lstsq(gram, scale * right, rcond=1e-10)[0]
-            self._workers.run(partial(kernels.subtract, after, self._steps, factors), 0, self._chunks)
+            self._share(partial(kernels.subtract, after, self._steps, factors))
         self._taken += 1
+
+    def _share(self, work: Callable[[int, int], object]) -> None:
+        self._workers.run(work, 0, self._chunks, most=self.last.size // NUMBERS_A_THREAD)
 
     def _add_up(self, slot: int, sums: np.ndarray, first: int, stop: int) -> None:
         lanes = np.zeros((2, kernels.LANES))
@@ -220,7 +236,7 @@ def solve(
     goal = max((tolerance or 0.0) * outcome.residuals[0], ROUNDING)
     before = level.x.copy()
     full_multigrid(levels, first, outcome)
-    accelerator = Anderson(level.x.size, workers)
+    accelerator = Anderson(level.x.size, workers, dtype=np.float32)
     outcome.residuals.append(level.residual())
     if not outcome.residuals[1] <= max(GROWTH * outcome.residuals[0], goal):  # coarse grids had other solutions
         level.x[...], outcome.residuals[1] = before, outcome.residuals[0]

@@ -13,11 +13,9 @@ import numpy as np
 
 from ..progress import Progress, advance, silent
 from ..threads import Workers, available_threads
-from . import _winslow_mixing_kernels as mixing_kernels
-from .winslow_levels import FEWEST_CELLS, POINTS_A_THREAD, Levels
+from .multigrid import CLOSE, DAMPED, MIXED_FROM, Anderson
+from .winslow_levels import FEWEST_CELLS, Levels
 
-NEAR = 1e-3
-"""By default a node may be so far from its converged place, in units of the shortest edge that ends there."""
 MOST_CYCLES = 60
 SIDES = {"south": np.s_[:, 0], "east": np.s_[-1], "north": np.s_[:, -1], "west": np.s_[0]}
 """The four sides of a grid, in the order in which they follow each other."""
@@ -27,10 +25,8 @@ _FEWEST_CELLS_TO_START = 32
 _CYCLES_AT_THE_START, _ENOUGH_AT_THE_START = 6, 3e-3  # or until the residual has fallen so far
 # A cycle after which the residual is so many times as large is taken back.
 _GROWTH = 1.5
-_WINDOW = 4  # differences that Anderson mixing remembers
-_MIXED_FROM = 3  # cycle, if the grid need only be near: most are done by then, and remembering costs
+_DEPTH = 4  # earlier cycles that the acceleration looks back on
 _PATIENCE = 6  # cycles without a smaller residual after which coarse corrections are damped, and then given up
-_DAMPED = 0.3  # where the boundary is too rough for coarse levels
 
 
 @dataclass(frozen=True)
@@ -267,69 +263,16 @@ def _converge(
         move = finest.largest_move(before)
         rate = min(max(move / last_move, 0.1), 0.9) if np.isfinite(last_move) else 0.5
         error, last_move = move * rate / (1 - rate), move
-        if error <= NEAR if tolerance is None else residual <= tolerance:
+        if error <= CLOSE if tolerance is None else residual <= tolerance:
             return tuple(history), error, True
         best_at = best_at if residual >= min(history[:-1]) else cycle
         if cycle - best_at > _PATIENCE:
             if damping < 1:
                 break
-            damping, best_at, mixing = _DAMPED, cycle, None
+            damping, best_at, mixing = DAMPED, cycle, None
         advance(progress, cycle / most_cycles, f"residual {residual:.1e}")
-        if mixing is None and (tolerance is not None or cycle >= _MIXED_FROM):
-            mixing = Mixing(finest.r, levels.workers)
-        if mixing is None:
-            before[:] = finest.r
-        else:
-            mixing.mix(finest.r, before)
+        if tolerance is not None or cycle >= MIXED_FROM:
+            mixing = mixing or Anderson(finest.r.size, levels.workers, _DEPTH)
+            mixing.accelerate(before.reshape(-1), finest.r.reshape(-1))
+        before[:] = finest.r
     return tuple(history), error, False
-
-
-class Mixing:
-    """Anderson's acceleration of a fixed-point iteration r = G(r).
-
-    D. G. Anderson, J. ACM 12 (1965); H. F. Walker, P. Ni, SIAM J. Numer. Anal. 49 (2011), algorithm 2.
-
-    Parameters
-    ----------
-    like : array
-        What is iterated.
-    workers : Workers
-        Who does the work.
-    """
-
-    def __init__(self, like: np.ndarray, workers: Workers):
-        self._workers, self._used = workers, -1
-        self._blocks = -(-like.size // mixing_kernels.BLOCK)
-        self._step, self._result = np.zeros(like.size), np.zeros(like.size)
-        self._steps, self._results = np.zeros((2, _WINDOW, like.size))
-        self._sums = np.zeros((self._blocks, 2 * _WINDOW))
-        self._gram = np.zeros((_WINDOW, _WINDOW))
-
-    def mix(self, r: np.ndarray, before: np.ndarray) -> None:
-        """Replace the result of a cycle by the best combination with those before; ``before`` becomes the same."""
-        slot = self._used % _WINDOW
-        flat, start = r.reshape(-1), before.reshape(-1)
-        step, steps, result, results, sums = self._step, self._steps, self._result, self._results, self._sums
-        self._share(lambda a, b: mixing_kernels.remember(flat, start, step, result, steps, results, slot, a, b))
-        share = np.zeros(_WINDOW)
-        if self._used >= 0:
-            known = min(self._used + 1, _WINDOW)
-
-            def products(a: int, b: int) -> None:
-                mixing_kernels.products(steps[:known], step, slot, np.empty(mixing_kernels.LANES), sums, a, b)
-
-            self._share(products)
-            both = sums.sum(axis=0)
-            self._gram[slot, :known] = self._gram[:known, slot] = both[:known]
-            share[:known] = _least_squares(self._gram[:known, :known], both[known : 2 * known])
-        self._share(lambda a, b: mixing_kernels.mix(flat, start, results, share, a, b))
-        self._used += 1
-
-    def _share(self, run) -> None:
-        self._workers.run(run, 0, self._blocks, most=self._step.size // (2 * POINTS_A_THREAD))
-
-
-def _least_squares(gram: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solution of the normal equations, scaled, and without directions that rounding made."""
-    scale = 1 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
-    return scale * np.linalg.lstsq(gram * scale[:, None] * scale, right * scale, rcond=1e-12)[0]

@@ -88,13 +88,14 @@ def test_acceleration_needs_far_fewer_cycles_and_ends_at_the_solution():
     assert level.residual() < 1e-3 * plain.residual()
 
 
-def test_acceleration_is_least_squares_of_the_last_changes():
+@pytest.mark.parametrize(("dtype", "accuracy"), [(np.float32, 1e-5), (np.float64, 1e-12)])
+def test_acceleration_is_least_squares_of_the_last_changes(dtype, accuracy):
     rng = np.random.default_rng(11)
-    size, depth = 40_000, 3
+    size, depth = 60_000, 3
     befores = [rng.standard_normal(size) for _ in range(6)]
     afters = [rng.standard_normal(size) for _ in range(6)]
     with Workers(2) as workers:
-        accelerator = Anderson(size, workers, depth)
+        accelerator = Anderson(size, workers, depth, dtype)
         for k, (before, after) in enumerate(zip(befores, afters, strict=True)):
             found = after.copy()
             accelerator.accelerate(before, found)
@@ -103,7 +104,7 @@ def test_acceleration_is_least_squares_of_the_last_changes():
             steps = np.array([afters[j] - afters[j - 1] for j in span]).reshape(len(span), size)
             differences = np.array([changes[j] - changes[j - 1] for j in span]).reshape(len(span), size)
             factors = np.linalg.lstsq(differences.T, changes[k], rcond=None)[0]
-            np.testing.assert_allclose(found, after - factors @ steps, atol=1e-5)  # the history has single precision
+            np.testing.assert_allclose(found, after - factors @ steps, atol=accuracy)
             np.testing.assert_array_equal(accelerator.last, after)
 
 
