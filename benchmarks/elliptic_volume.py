@@ -12,7 +12,7 @@ from _common import Target, arguments, print_heading, print_row, taken_alternate
 
 from meshcore import quality
 from meshcore.mesh import StructuredGrid
-from meshcore.structured.boundary_growth import blended
+from meshcore.structured.blending import blended
 from meshcore.structured.winslow_3d import count_folded, solved
 
 ON_ONE = {1e-4: Target(1.5, at_most=True), 1e-8: Target(3.0, at_most=True)}

@@ -10,7 +10,7 @@ from pathlib import Path
 import meshcore as mc
 from meshcore import gallery, quality
 from meshcore.picture import picture
-from meshcore.structured.boundary_growth import blended
+from meshcore.structured.blending import blended
 
 
 def main(folder="out"):

@@ -14,7 +14,7 @@ from .mesh import Mesh, StructuredGrid
 from .operation import operations
 from .progress import Progress, advance, part_of, silent
 from .sizing.around_loop import respaced_loop
-from .structured.boundary_growth import blended
+from .structured.blending import blended
 
 
 def square(n: int = 1, *, size: float = 1.0) -> Mesh:

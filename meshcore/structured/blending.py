@@ -182,6 +182,33 @@ def boolean_sum(directions: Sequence[Direction]) -> np.ndarray:
     return points
 
 
+def blended(values: np.ndarray, axes: Sequence[int]) -> np.ndarray:
+    """The Boolean sum of linear projections along some axes between the first and the last values of each.
+
+    Parameters
+    ----------
+    values : array
+        Only those at an end of one of the axes matter, and are kept.
+    axes : sequence of int
+        Along which to interpolate.
+
+    Examples
+    --------
+    >>> blended(np.array([[0, 9, 2], [1, 9, 5.0]]), [1])
+    array([[0., 1., 2.],
+           [1., 3., 5.]])
+    """
+    result = np.zeros_like(values)
+    for axis in axes:
+        rest = np.moveaxis(values - result, axis, 0)
+        t = np.linspace(0, 1, len(rest)).reshape(-1, *[1] * (rest.ndim - 1))
+        result += np.moveaxis((1 - t) * rest[:1] + t * rest[-1:], 0, axis)
+    for axis in axes:  # to the last bit
+        for end in (0, -1):
+            np.moveaxis(result, axis, 0)[end] = np.moveaxis(values, axis, 0)[end]
+    return result
+
+
 def _met(slope: np.ndarray, end: int, axis: int, directions: Sequence[Direction]) -> np.ndarray:
     """A slope across ``axis`` that at the known lines of other directions is theirs.
 

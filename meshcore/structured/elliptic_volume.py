@@ -16,7 +16,7 @@ from ..quality import measure, summary, validate
 from ..report import Report, Result
 from ..threads import checked_threads
 from . import winslow_3d, winslow_surface
-from .boundary_growth import ControlFunction, boundary_growth, user_growth
+from .control_functions import ControlFunction, from_boundary, from_user
 from .elliptic_parameters import MaxCyclesParam, ResidualParam
 from .limits import check_size
 from .quad_nets import cage_of
@@ -169,9 +169,9 @@ def _growth(points: np.ndarray, control: Control, functions: Sequence[ControlFun
     """Logarithms of growth of all control functions together, or None for Laplace's equation."""
     parts = []
     if control == "boundary spacing":
-        parts.append(boundary_growth(points))
+        parts.append(from_boundary(points))
     if functions is not None:
-        parts.append(user_growth(functions, points.shape[:3]))
+        parts.append(from_user(functions, points.shape[:3]))
     return sum(parts) if parts else None
 
 

@@ -8,7 +8,7 @@ from ..geometry.surfaces import SplineSurface, Surface
 from ..progress import Progress, silent
 from ..threads import Workers
 from . import _winslow_surface_kernels as kernels
-from .boundary_growth import boundary_growth
+from .control_functions import from_boundary
 from .multigrid import Level, Outcome, first_level, solve
 from .transfer import Transfer, coarsened, growth_on_coarse
 
@@ -114,7 +114,7 @@ def smoothed(
     True
     """
     surface = SplineSurface(points)
-    growth = boundary_growth(points) if controlled else None
+    growth = from_boundary(points) if controlled else None
     found, outcome = solved(surface, surface.parameters, growth=growth, most=most, progress=progress)
     new = np.array(points, float)
     inner = (slice(1, -1), slice(1, -1))

@@ -61,7 +61,7 @@ def test_impossible_functions_are_refused(value):
         from_user((np.full((4, 4), value), np.zeros((4, 4))), (4, 4))
     with pytest.raises(InvalidInput, match="shape"):
         from_user((np.zeros((3, 4)), np.zeros((4, 4))), (4, 4))
-    with pytest.raises(InvalidInput, match="P and Q"):
+    with pytest.raises(InvalidInput, match="2 directions, got 1"):
         from_user((np.zeros((4, 4)),), (4, 4))
 
 

@@ -5,7 +5,8 @@ import pytest
 
 import meshcore as mc
 from meshcore import GenerationFailed, InvalidGeometry, InvalidInput, Mesh, StructuredGrid, gallery, quality
-from meshcore.structured.boundary_growth import blended, boundary_growth
+from meshcore.structured.blending import blended
+from meshcore.structured.control_functions import from_boundary
 from tests import naive
 
 
@@ -104,7 +105,7 @@ def test_control_keeps_a_polar_grid_with_any_radial_law():
     R, T, Z = np.meshgrid(r, t, z, indexing="ij")
     points = np.stack([R * np.cos(T), R * np.sin(T), Z], axis=-1)
     # ln r is harmonic: growth of r is counted less that of r dT.
-    growth = boundary_growth(points)
+    growth = from_boundary(points)
     np.testing.assert_allclose(growth[1:], 0, atol=1e-12)
     kept, _ = mc.elliptic_volume(StructuredGrid(points), control="boundary spacing")
     moved, _ = mc.elliptic_volume(StructuredGrid(points), control="none")
