@@ -172,14 +172,22 @@ def boolean_sum(directions: Sequence[Direction]) -> np.ndarray:
     >>> boolean_sum([along_i, along_j])[1, 1]
     array([0.5, 0. , 0.5])
     """
-    points = np.zeros((*(len(d.parameters) for d in directions), 3))
+    met = {}
     for axis, direction in enumerate(directions):
         slopes = {end: _met(slope, end, axis, directions) for end, slope in direction.slopes.items()}
-        replace(direction, slopes=slopes).project(np.moveaxis(points, axis, 0))
-    for axis, direction in enumerate(directions):
-        for station, values in direction.known.items():
-            np.moveaxis(points, axis, 0)[station] = values
-    return points
+        met[axis] = replace(direction, slopes=slopes)
+    return _summed((*(len(d.parameters) for d in directions), 3), met)
+
+
+def _summed(shape: tuple[int, ...], directions: Mapping[int, Direction]) -> np.ndarray:
+    """Values of a shape, to which the direction of each axis adds what the ones before left over."""
+    values = np.zeros(shape)
+    for axis, direction in directions.items():
+        direction.project(np.moveaxis(values, axis, 0))
+    for axis, direction in directions.items():  # to the last bit
+        for station, known in direction.known.items():
+            np.moveaxis(values, axis, 0)[station] = known
+    return values
 
 
 def blended(values: np.ndarray, axes: Sequence[int]) -> np.ndarray:
@@ -198,15 +206,11 @@ def blended(values: np.ndarray, axes: Sequence[int]) -> np.ndarray:
     array([[0., 1., 2.],
            [1., 3., 5.]])
     """
-    result = np.zeros_like(values)
+    directions = {}
     for axis in axes:
-        rest = np.moveaxis(values - result, axis, 0)
-        t = np.linspace(0, 1, len(rest)).reshape(-1, *[1] * (rest.ndim - 1))
-        result += np.moveaxis((1 - t) * rest[:1] + t * rest[-1:], 0, axis)
-    for axis in axes:  # to the last bit
-        for end in (0, -1):
-            np.moveaxis(result, axis, 0)[end] = np.moveaxis(values, axis, 0)[end]
-    return result
+        rows = np.moveaxis(values, axis, 0)
+        directions[axis] = Direction(np.linspace(0, 1, len(rows)), {0: rows[0], len(rows) - 1: rows[-1]})
+    return _summed(values.shape, directions)
 
 
 def _met(slope: np.ndarray, end: int, axis: int, directions: Sequence[Direction]) -> np.ndarray:
