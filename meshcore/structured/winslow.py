@@ -136,6 +136,8 @@ def winslow(
         if scale < 1e-14:  # the start solves the equations, up to rounding
             return Solution(points.copy(), (1.0,), 0.0, True)
         full_multigrid(levels)
+        if not np.isfinite(finest.residual()):  # coarse levels led astray
+            finest.put(frame.inside(points))
         history, error, converged = _converge(levels, scale, tolerance, most_cycles, progress)
         found = frame.outside(finest.points_without_ghosts, points, CUT if cyclic else ())
         return Solution(found, history, error, converged)
@@ -259,6 +261,9 @@ def _converge(
             mixing = None
             safe_cycle(levels)
             residual = finest.residual() / scale
+            if not np.isfinite(residual):  # cells without size, which no sweep can mend
+                finest.r[:] = before
+                return tuple(history), np.inf, False
         history.append(residual)
         move = finest.largest_move(before)
         rate = min(max(move / last_move, 0.1), 0.9) if np.isfinite(last_move) else 0.5
