@@ -280,15 +280,17 @@ class Levels:
         level.wrap()
 
     def _correct_guarded(self, number: int, step: float) -> None:
-        """The same, shortened while it folds more cells: the discrete equations have folded solutions too."""
+        """The same, shortened or left out where it folds more cells: the discrete equations have folded solutions."""
         level, before = self.levels[number], self._before[number]
-        folds = level.folds(self.sign)
+        folds, uncorrected = level.folds(self.sign), level.r.copy()
         self.correct(number, before, step)
         for _ in range(_SHORTENINGS):
             if level.folds(self.sign) <= folds:
                 return
             self.correct(number, before, (_SHORTER - 1) * step)
             step *= _SHORTER
+        if not level.folds(self.sign) <= folds:
+            level.r[:] = uncorrected
 
     def _average(self, number: int, fine: np.ndarray, coarse: np.ndarray, scale: float) -> None:
         along_i, along_j = self.tables[number]
