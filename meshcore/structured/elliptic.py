@@ -8,7 +8,7 @@ from typing import Annotated
 from ..errors import GenerationFailed
 from ..geometry.curves import Curve
 from ..mesh import StructuredGrid
-from ..operation import Length, Param, Port, Relative, operation
+from ..operation import Param, Relative, operation
 from ..progress import Progress, part_of, silent
 from ..report import Result
 from ..threads import checked_threads
@@ -24,29 +24,37 @@ from .elliptic_parameters import (
     asked_walls,
 )
 from .elliptic_problem import Asked, Equation, solved
+from .side_parameters import (
+    CellsIParam,
+    CellsJParam,
+    CornersParam,
+    EastPort,
+    NorthPort,
+    SouthPort,
+    SpacingEastParam,
+    SpacingNorthParam,
+    SpacingSouthParam,
+    SpacingWestParam,
+    ToleranceParam,
+    WestPort,
+)
 from .transfinite import transfinite
 from .winslow import CUT, MOST_CYCLES
-
-_SIDE = "line cells in one chain, or points in order"
 
 
 @operation("Elliptic Grid", category="Structured", output="grid")
 def elliptic(
-    south: Annotated[Curve, Port(f"South side, or one closed loop in place of all four: {_SIDE}", cells=("line",))],
-    east: Annotated[Curve | None, Port(f"East side: {_SIDE}", cells=("line",))] = None,
-    north: Annotated[Curve | None, Port(f"North side: {_SIDE}", cells=("line",))] = None,
-    west: Annotated[Curve | None, Port(f"West side: {_SIDE}", cells=("line",))] = None,
+    south: SouthPort,
+    east: EastPort = None,
+    north: NorthPort = None,
+    west: WestPort = None,
     *,
-    cells_i: Annotated[
-        int | None, Param("Cells along south and north; by default as their points are given", min=1, soft_max=500)
-    ] = None,
-    cells_j: Annotated[
-        int | None, Param("Cells along west and east; by default as their points are given", min=1, soft_max=500)
-    ] = None,
-    spacing_south: Annotated[Length | None, Param("Height of the cells at the south side", group="Spacing")] = None,
-    spacing_east: Annotated[Length | None, Param("Width of the cells at the east side", group="Spacing")] = None,
-    spacing_north: Annotated[Length | None, Param("Height of the cells at the north side", group="Spacing")] = None,
-    spacing_west: Annotated[Length | None, Param("Width of the cells at the west side", group="Spacing")] = None,
+    cells_i: CellsIParam = None,
+    cells_j: CellsJParam = None,
+    spacing_south: SpacingSouthParam = None,
+    spacing_east: SpacingEastParam = None,
+    spacing_north: SpacingNorthParam = None,
+    spacing_west: SpacingWestParam = None,
     equation: Annotated[
         Equation, Param("Poisson with control functions, or biharmonic: slopes at walls at once, folds more easily")
     ] = "Poisson",
@@ -60,13 +68,8 @@ def elliptic(
     ] = False,
     residual: ResidualParam = None,
     max_cycles: MaxCyclesParam = MOST_CYCLES,
-    corners: Annotated[
-        tuple[int, int, int, int],
-        Param("Points of a closed loop that are its corners; four times -1 finds them", min=-1, advanced=True),
-    ] = (-1, -1, -1, -1),
-    tolerance: Annotated[Length, Param("Largest gap between ends of sides that is closed", min=0, advanced=True)] = (
-        Relative(1e-6)
-    ),
+    corners: CornersParam = (-1, -1, -1, -1),
+    tolerance: ToleranceParam = Relative(1e-6),
     control_functions: Sequence[ControlFunction] | None = None,
     attractors: Sequence[Attractor] = (),
     threads: int | None = None,

@@ -11,7 +11,7 @@ import numpy as np
 from ..errors import InvalidInput
 from ..geometry.curves import Curve
 from ..mesh import Mesh, StructuredGrid
-from ..operation import Length, Param, Port, Relative, operation
+from ..operation import Param, Port, Relative, operation
 from ..progress import Progress, advance, silent
 from ..quality import summary, validate
 from ..report import Report, Result
@@ -21,11 +21,24 @@ from .folds import folded_cells, refuse_folds
 from .interior_lines import fitted_lines, fitted_sides, read_lines
 from .limits import check_size
 from .overspill import Cure, cured
+from .side_parameters import (
+    CellsIParam,
+    CellsJParam,
+    CornersParam,
+    EastPort,
+    NorthPort,
+    SouthPort,
+    SpacingEastParam,
+    SpacingNorthParam,
+    SpacingSouthParam,
+    SpacingWestParam,
+    ToleranceParam,
+    WestPort,
+)
 from .sides import NAMES, Asked, Sides
 
 __all__ = ["interpolated", "transfinite"]
 
-_SIDE = "line cells in one chain, or points in order"
 _CURE = (
     "space the points of opposite sides alike, blend by arc length, ask for a cure, give lines inside, move the "
     "corners, or split the patch where it folds"
@@ -45,10 +58,10 @@ Law = Literal[
 
 @operation("Transfinite Interpolation", category="Structured", output="grid")
 def transfinite(
-    south: Annotated[Curve, Port(f"South side, or one closed loop in place of all four: {_SIDE}", cells=("line",))],
-    east: Annotated[Curve | None, Port(f"East side: {_SIDE}", cells=("line",))] = None,
-    north: Annotated[Curve | None, Port(f"North side: {_SIDE}", cells=("line",))] = None,
-    west: Annotated[Curve | None, Port(f"West side: {_SIDE}", cells=("line",))] = None,
+    south: SouthPort,
+    east: EastPort = None,
+    north: NorthPort = None,
+    west: WestPort = None,
     lines: Annotated[
         Union[Mesh, Sequence[Curve], None],
         Port(
@@ -56,16 +69,12 @@ def transfinite(
         ),
     ] = None,
     *,
-    cells_i: Annotated[
-        int | None, Param("Cells along south and north; by default as their points are given", min=1, soft_max=500)
-    ] = None,
-    cells_j: Annotated[
-        int | None, Param("Cells along west and east; by default as their points are given", min=1, soft_max=500)
-    ] = None,
-    spacing_south: Annotated[Length | None, Param("Height of the cells at the south side", group="Spacing")] = None,
-    spacing_east: Annotated[Length | None, Param("Width of the cells at the east side", group="Spacing")] = None,
-    spacing_north: Annotated[Length | None, Param("Height of the cells at the north side", group="Spacing")] = None,
-    spacing_west: Annotated[Length | None, Param("Width of the cells at the west side", group="Spacing")] = None,
+    cells_i: CellsIParam = None,
+    cells_j: CellsJParam = None,
+    spacing_south: SpacingSouthParam = None,
+    spacing_east: SpacingEastParam = None,
+    spacing_north: SpacingNorthParam = None,
+    spacing_west: SpacingWestParam = None,
     law_i: Annotated[Law, Param("How points stand along south and north", group="Spacing")] = "as given",
     law_j: Annotated[Law, Param("How points stand along west and east", group="Spacing")] = "as given",
     blending: Annotated[
@@ -73,13 +82,8 @@ def transfinite(
         Param("By the sides' lengths, by counts of cells, or smooth and at right angles with the sides"),
     ] = "arc length",
     cure: Annotated[Cure, Param("What may be done about folded cells (overspill)")] = "none",
-    corners: Annotated[
-        tuple[int, int, int, int],
-        Param("Points of a closed loop that are its corners; four times -1 finds them", min=-1, advanced=True),
-    ] = (-1, -1, -1, -1),
-    tolerance: Annotated[Length, Param("Largest gap between ends of sides that is closed", min=0, advanced=True)] = (
-        Relative(1e-6)
-    ),
+    corners: CornersParam = (-1, -1, -1, -1),
+    tolerance: ToleranceParam = Relative(1e-6),
     spacings: Mapping[str, Spacing] | None = None,
     slopes: Mapping[str, np.ndarray] | None = None,
     progress: Progress = silent,

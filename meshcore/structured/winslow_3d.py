@@ -195,8 +195,9 @@ def _levels(points: np.ndarray, growth: np.ndarray | None, workers: Workers) -> 
     x = np.ascontiguousarray(np.moveaxis(points, -1, 0))
     theta = np.empty((3, 0, 0, 0)) if growth is None else growth
     sign = -1.0 if _count(x, -1.0) < _count(x, 1.0) else 1.0
-    levels: list[Level] = [_Space(x, theta, sign, workers)]
-    strength = levels[0].couplings()  # type: ignore[attr-defined]
+    finest = _Space(x, theta, sign, workers)
+    levels: list[Level] = [finest]
+    strength = finest.couplings()
     while lines := coarsened(levels[-1].x.shape[1:], _strong(levels[-1].x.shape[1:], strength)):
         transfer = levels[-1].transfer = Transfer(lines, workers)
         theta = theta if growth is None else growth_on_coarse(transfer, theta)

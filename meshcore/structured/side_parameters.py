@@ -1,0 +1,31 @@
+"""What operations on four sides ask alike: their ports and parameters, each declared once."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from ..geometry.curves import Curve
+from ..operation import Length, Param, Port
+
+_SIDE = "line cells in one chain, or points in order"
+
+SouthPort = Annotated[Curve, Port(f"South side, or one closed loop in place of all four: {_SIDE}", cells=("line",))]
+EastPort = Annotated[Curve | None, Port(f"East side: {_SIDE}", cells=("line",))]
+NorthPort = Annotated[Curve | None, Port(f"North side: {_SIDE}", cells=("line",))]
+WestPort = Annotated[Curve | None, Port(f"West side: {_SIDE}", cells=("line",))]
+
+CellsIParam = Annotated[
+    int | None, Param("Cells along south and north; by default as their points are given", min=1, soft_max=500)
+]
+CellsJParam = Annotated[
+    int | None, Param("Cells along west and east; by default as their points are given", min=1, soft_max=500)
+]
+SpacingSouthParam = Annotated[Length | None, Param("Height of the cells at the south side", group="Spacing")]
+SpacingEastParam = Annotated[Length | None, Param("Width of the cells at the east side", group="Spacing")]
+SpacingNorthParam = Annotated[Length | None, Param("Height of the cells at the north side", group="Spacing")]
+SpacingWestParam = Annotated[Length | None, Param("Width of the cells at the west side", group="Spacing")]
+CornersParam = Annotated[
+    tuple[int, int, int, int],
+    Param("Points of a closed loop that are its corners; four times -1 finds them", min=-1, advanced=True),
+]
+ToleranceParam = Annotated[Length, Param("Largest gap between ends of sides that is closed", min=0, advanced=True)]
