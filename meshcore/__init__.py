@@ -6,7 +6,7 @@ from . import adapt, io, quality
 from .adapt import refined
 from .errors import Cancelled, GenerationFailed, InvalidGeometry, InvalidInput, MeshcoreError, MissingLibrary
 from .geometry.location import locate
-from .mesh import Mesh, MultiBlock, PolyhedralMesh, StructuredGrid
+from .mesh import Cut, Degenerate, Mesh, MultiBlock, PolyhedralMesh, StructuredGrid, degenerate
 from .operation import Length, Relative, operations
 from .progress import Progress, silent
 from .report import Report, Result
@@ -20,6 +20,7 @@ from .structured import (
     o_grid,
     transfinite,
     transfinite_volume,
+    with_halo,
 )
 from .unstructured import (
     Tetrahedralization,
@@ -36,6 +37,8 @@ from .unstructured import (
 __all__ = [
     "Attractor",
     "Cancelled",
+    "Cut",
+    "Degenerate",
     "GenerationFailed",
     "InvalidGeometry",
     "InvalidInput",
@@ -55,6 +58,7 @@ __all__ = [
     "Wall",
     "adapt",
     "constrained_delaunay",
+    "degenerate",
     "delaunay_2d",
     "delaunay_3d",
     "delaunay_refinement",
@@ -74,4 +78,5 @@ __all__ = [
     "transfinite_volume",
     "voronoi_2d",
     "voronoi_3d",
+    "with_halo",
 ]

@@ -138,6 +138,8 @@ def _fitted_grid(mesh: Mesh | StructuredGrid | MultiBlock, holds: Holds, name: s
         warn_dropped(what, [key for key in held if key not in kept], reason)
     if any(any(block.periodic) for block in blocks):
         warn_dropped("the property", ["periodic"], reason)
+    if any(block.cuts for block in blocks):
+        warn_dropped("the property", ["cuts"], reason)
     if isinstance(mesh, MultiBlock):
         warn_dropped("block names", [n for k, n in enumerate(mesh.names) if n != f"block {k}"], reason)
     return mesh

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import json
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ..errors import InvalidInput
-from ..mesh import CELL_TYPES, Mesh, MultiBlock, PolyhedralMesh, StructuredGrid
+from ..mesh import CELL_TYPES, Cut, Mesh, MultiBlock, PolyhedralMesh, StructuredGrid
 from ..mesh.structured_grid import FACES
 from .fit import warn_dropped
 from .polyhedra import holds_polyhedra, listed, polyhedral
@@ -16,6 +17,7 @@ from .ragged import LINE, VERTEX, cells_by_kind
 SET_PREFIX = "set:"
 FACE_NAMES = "face_names"
 PERIODIC = "periodic"
+CUTS = "cuts"
 MESH = "UnstructuredGrid"
 GRID = "StructuredGrid"
 
@@ -107,6 +109,8 @@ def _encoded_grid(grid: StructuredGrid) -> DataSet:
         fields[FACE_NAMES] = np.array([grid.names.get(face, "") for face in FACES])
     if any(grid.periodic):
         fields[PERIODIC] = np.array(grid.periodic, np.uint8)
+    if grid.cuts:
+        fields[CUTS] = np.array([json.dumps(cut.as_data()) for cut in grid.cuts])
     return DataSet(
         GRID,
         grid.flat(grid.points),
@@ -192,13 +196,23 @@ def _decoded_grid(data: DataSet) -> StructuredGrid:
     fields = data.field_data
     names = [str(name) for name in fields.get(FACE_NAMES, ())]
     periodic = [bool(flag) for flag in fields.get(PERIODIC, ())]
-    return StructuredGrid(
+    grid = StructuredGrid(
         unflat("points", data.points, shape),
         {name: unflat(name, v, shape) for name, v in data.point_data.items()},
         {name: unflat(name, v, cell_shape) for name, v in data.cell_data.items()},
         {face: name for face, name in zip(FACES, names, strict=True) if name} if len(names) == 6 else {},
         tuple(periodic) if len(periodic) == 3 else (False, False, False),
     )
+    return _with_cuts(grid, [str(text) for text in fields.get(CUTS, ())])
+
+
+def _with_cuts(grid: StructuredGrid, texts: list[str]) -> StructuredGrid:
+    """The grid with its cuts, of JSON; where it was changed since, so that they do not hold, without them."""
+    try:
+        return replace(grid, cuts=tuple(Cut(**json.loads(text)) for text in texts)) if texts else grid
+    except (InvalidInput, TypeError, ValueError) as error:
+        warn_dropped("the property", [CUTS], f"they do not fit the grid: {error}")
+        return grid
 
 
 def together(parts: dict[str, Mesh | StructuredGrid]) -> Mesh | StructuredGrid | MultiBlock:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from ..errors import InvalidInput
+from .cuts import Cut, checked_cuts, glued
+from .mesh import Mesh
 from .structured_grid import StructuredGrid
 
 
@@ -18,11 +22,14 @@ class MultiBlock:
         The blocks.
     names : tuple of str
         One name a block; "block 0", "block 1", ... by default.
+    cuts : tuple of Cut
+        Where blocks are joined to each other; those of a block with itself may stay with the block.
 
     Raises
     ------
-    InvalidInput
-        If the names are not as many as the blocks, or one is used twice.
+    InvalidInput, InvalidGeometry
+        If the names are not as many as the blocks, one is used twice, or the two sides of a cut are not at the same
+        places.
 
     Examples
     --------
@@ -34,6 +41,7 @@ class MultiBlock:
 
     blocks: tuple[StructuredGrid, ...]
     names: tuple[str, ...] = ()
+    cuts: tuple[Cut, ...] = ()
 
     def __post_init__(self) -> None:
         set_ = object.__setattr__
@@ -43,6 +51,7 @@ class MultiBlock:
             raise InvalidInput("needs at least one block", parameter="blocks")
         if len(self.names) != len(self.blocks) or len(set(self.names)) != len(self.names):
             raise InvalidInput(f"needs {len(self.blocks)} different names, got {self.names}", parameter="names")
+        set_(self, "cuts", checked_cuts(self.cuts, self.blocks))
 
     def __repr__(self) -> str:
         shapes = [b.shape[:2] if b.is_surface else b.shape for b in self.blocks]
@@ -58,3 +67,42 @@ class MultiBlock:
     def n_cells(self) -> int:
         """Number of cells of all blocks."""
         return sum(b.n_cells for b in self.blocks)
+
+    @property
+    def joins(self) -> tuple[Cut, ...]:
+        """All cuts: between blocks, and those that blocks have with themselves."""
+        own = [replace(cut, block=k, partner_block=k) for k, block in enumerate(self.blocks) for cut in block.joins]
+        return self.cuts + tuple(own)
+
+    def to_mesh(self) -> Mesh:
+        """The cells of all blocks as one `Mesh`, points on both sides of a cut being one; each block becomes a set.
+
+        Data that not all blocks have are left out.
+        """
+        meshes = [replace(block, cuts=(), periodic=(False,) * 3).to_mesh() for block in self.blocks]
+        kinds = dict.fromkeys(kind for mesh in meshes for kind in mesh.cells)
+        if len(kinds) != 1:
+            raise InvalidInput("has surfaces and volumes; give the ones or the others", parameter="blocks")
+        kind = next(iter(kinds))
+        shared = [glue.swapaxes(0, 2).ravel() for glue in glued(self.joins, [b.shape for b in self.blocks])]
+        order = [np.arange(b.n_points).reshape(b.shape).swapaxes(0, 2).ravel() for b in self.blocks]
+        starts = np.cumsum([0] + [b.n_points for b in self.blocks])
+        place = np.empty(starts[-1], np.int64)  # of a C-ordered number, among the points as meshes have them
+        for start, order_of_block in zip(starts, order, strict=False):
+            place[start + order_of_block] = start + np.arange(len(order_of_block))
+        first = place[np.concatenate(shared)]
+        cells = np.concatenate([mesh.cells[kind] + s for mesh, s in zip(meshes, starts, strict=False)])
+        ends = np.cumsum([0] + [mesh.n_cells for mesh in meshes])
+        return Mesh(
+            np.concatenate([mesh.points for mesh in meshes]),
+            {kind: first[cells]},
+            _of_all([mesh.point_data for mesh in meshes]),
+            _of_all([mesh.cell_data for mesh in meshes]),
+            {name: np.arange(a, b) for name, a, b in zip(self.names, ends[:-1], ends[1:], strict=True)},
+        ).compacted()
+
+
+def _of_all(data: list[dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
+    """The arrays that every block has, one block's after the other's."""
+    names = [n for n in data[0] if all(n in d and d[n].shape[1:] == data[0][n].shape[1:] for d in data)]
+    return {name: np.concatenate([d[name] for d in data]) for name in names}

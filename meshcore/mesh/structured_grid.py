@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InvalidGeometry, InvalidInput
+from .cuts import Cut, checked_cuts, closing, glued
 from .mesh import Mesh
 
 FACES = ("imin", "imax", "jmin", "jmax", "kmin", "kmax")
@@ -39,11 +40,13 @@ class StructuredGrid:
         Names of the faces "imin", "imax", "jmin", "jmax", "kmin", "kmax", such as ``{"jmin": "wall"}``.
     periodic : tuple of three bool
         Whether the last points along i, j, k repeat the first, as at the cut of an O-grid.
+    cuts : tuple of Cut
+        Where else faces, or ranges of them, are joined, as along the wake of a C-grid.
 
     Raises
     ------
     InvalidInput, InvalidGeometry
-        If shapes do not fit or points are not finite.
+        If shapes do not fit, points are not finite, or the two sides of a cut are not at the same places.
 
     Examples
     --------
@@ -57,6 +60,7 @@ class StructuredGrid:
     cell_data: dict[str, np.ndarray] = field(default_factory=dict)
     names: dict[str, str] = field(default_factory=dict)
     periodic: tuple[bool, bool, bool] = (False, False, False)
+    cuts: tuple[Cut, ...] = ()
 
     def __post_init__(self) -> None:
         set_ = object.__setattr__
@@ -65,6 +69,7 @@ class StructuredGrid:
         set_(self, "cell_data", _checked_data(self.cell_data, self.cell_shape, "cell_data"))
         if unknown := set(self.names) - set(FACES):
             raise InvalidInput(f"{sorted(unknown)[0]!r} is no face; faces are {', '.join(FACES)}", parameter="names")
+        set_(self, "cuts", checked_cuts(self.cuts, [self]))
 
     def __repr__(self) -> str:
         shape = self.shape[:2] if self.is_surface else self.shape
@@ -96,6 +101,11 @@ class StructuredGrid:
         """Whether the grid has one layer of points, that is, quadrilateral cells."""
         return self.shape[2] == 1
 
+    @property
+    def joins(self) -> tuple[Cut, ...]:
+        """All cuts: those of periodic directions, as if they were given, and `cuts`."""
+        return tuple(closing(self.shape, axis) for axis in np.flatnonzero(self.periodic)) + self.cuts
+
     @cached_property
     def diagonal(self) -> float:
         """Length of the bounding box's diagonal."""
@@ -123,6 +133,7 @@ class StructuredGrid:
             point_data={name: values[::-1] for name, values in self.point_data.items()},
             cell_data={name: values[::-1] for name, values in self.cell_data.items()},
             names={places.get(face, face): name for face, name in self.names.items()},
+            cuts=tuple(cut.counted_back(0, self.shape[0] - 1) for cut in self.cuts),
         )
 
     def flat(self, values: np.ndarray) -> np.ndarray:
@@ -131,11 +142,10 @@ class StructuredGrid:
         return np.ascontiguousarray(values.swapaxes(0, 2)).reshape(-1, *values.shape[3:])
 
     def to_mesh(self) -> Mesh:
-        """The same cells as a `Mesh` of "quad" or "hexahedron" cells; points of periodic cuts become one."""
+        """The same cells as a `Mesh` of "quad" or "hexahedron" cells; points on both sides of a cut become one."""
         number = np.arange(self.n_points).reshape(self.shape[::-1]).swapaxes(0, 2)
-        for axis in np.flatnonzero(self.periodic):
-            number = number.copy()
-            np.moveaxis(number, axis, 0)[-1] = np.moveaxis(number, axis, 0)[0]
+        if self.joins:
+            number = number.ravel()[glued(self.joins, [self.shape])[0]]
         quads = [number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]]
         if self.is_surface:
             kind, corners = "quad", quads

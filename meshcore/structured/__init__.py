@@ -6,6 +6,7 @@ from .elliptic import elliptic
 from .elliptic_smoothing import elliptically_smoothed
 from .elliptic_volume import elliptic_volume
 from .finite_volumes import FiniteVolumes
+from .halo import Halo, with_halo
 from .metrics import Metrics
 from .topologies import o_grid
 from .transfinite import transfinite
@@ -16,6 +17,7 @@ __all__ = [
     "Attractor",
     "Curvilinear",
     "FiniteVolumes",
+    "Halo",
     "Metrics",
     "Wall",
     "elliptic",
@@ -24,4 +26,5 @@ __all__ = [
     "o_grid",
     "transfinite",
     "transfinite_volume",
+    "with_halo",
 ]

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Literal
 
 import numpy as np
 
 from ..errors import InvalidGeometry, InvalidInput
-from ..mesh import StructuredGrid
+from ..mesh import MultiBlock, StructuredGrid
 from ..quality.vectors import cross, dot
+from .joined_lines import JoinedLines, Where
 from .stencils import STENCILS, Stencil
 
 Order = Literal[2, 4]
@@ -20,8 +21,8 @@ class Metrics:
 
     Parameters
     ----------
-    grid : StructuredGrid
-        In the plane, on a surface in space, or a volume.
+    grid : StructuredGrid or MultiBlock
+        In the plane, on a surface in space, or a volume; with cuts, across which lines run on.
     order : 2 or 4
         Order of accuracy. A line that is not closed needs 5 points for the second, 7 for the fourth.
 
@@ -31,6 +32,8 @@ class Metrics:
         2, or 3 for a volume.
     periods : tuple of three int
         Cells along closed directions, 0 for open ones.
+    shape : tuple of three int
+        That of arrays of values at points: the grid's, or (points, 1, 1) of several blocks, one after the other.
     position : (ni, nj, nk, 3) float
         The points relative to their mean, so that products of them round less.
 
@@ -50,26 +53,50 @@ class Metrics:
     (2.0, [0.0, 0.5, 0.0])
     """
 
-    def __init__(self, grid: StructuredGrid, order: Order = 2):
-        if not isinstance(grid, StructuredGrid):
-            raise InvalidInput(f"needs a StructuredGrid, got {type(grid).__name__}", parameter="grid")
+    def __init__(self, grid: StructuredGrid | MultiBlock, order: Order = 2):
+        if not isinstance(grid, (StructuredGrid, MultiBlock)):
+            raise InvalidInput(f"needs a StructuredGrid or a MultiBlock, got {type(grid).__name__}", parameter="grid")
         if order not in STENCILS:
             raise InvalidInput(f"is {order!r}; the operators are of order 2 or 4", parameter="order")
         self.grid, self.order = grid, order
-        self.dimension = 2 if grid.is_surface else 3
+        self.blocks = grid.blocks if isinstance(grid, MultiBlock) else (grid,)
+        if len({block.is_surface for block in self.blocks}) > 1:
+            raise InvalidInput("has surfaces and volumes; give the ones or the others", parameter="grid")
+        self.dimension = 2 if self.blocks[0].is_surface else 3
         self.stencils = STENCILS[order]
-        self.periods = tuple(
-            cells if closed else 0 for cells, closed in zip(grid.cell_shape, grid.periodic, strict=True)
-        )
-        _check_lines(grid, order, self.periods)
-        self.position = grid.points - grid.points.reshape(-1, 3).mean(axis=0)
+        self.periods = (0, 0, 0)
+        self.lines: JoinedLines | None = None
+        if isinstance(grid, MultiBlock) or grid.cuts:
+            self.lines = _joined_lines(grid, order, self.blocks)
+            points = np.concatenate([block.points.reshape(-1, 1, 1, 3) for block in self.blocks])
+        else:
+            self.periods = tuple(
+                cells if closed else 0 for cells, closed in zip(grid.cell_shape, grid.periodic, strict=True)
+            )
+            _check_lines(grid, order, self.periods)
+            points = grid.points
+        self.shape = points.shape[:3]
+        self.position = points - points.reshape(-1, 3).mean(axis=0)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.grid!r}, order={self.order})"
 
-    def along(self, stencil: Stencil, values: np.ndarray, axis: int) -> np.ndarray:
-        """A stencil's result along one direction, across the cut of a closed one."""
-        return stencil.along(values, axis, self.periods[axis])
+    def along(self, stencil: Stencil, values: np.ndarray, axis: int, where: Where = "points") -> np.ndarray:
+        """A stencil's result along one direction, across the cut of a closed one and through cuts."""
+        if self.lines is None:
+            return stencil.along(values, axis, self.periods[axis])
+        return self._times(self.lines.matrix(stencil, axis, where), values)
+
+    def along_of(
+        self, stencil: Stencil, values: list[np.ndarray], axis: int, component: int, where: Where, odd: bool = True
+    ) -> np.ndarray:
+        """The same for values that belong to a direction, given for all: beyond a cut they are those of another one."""
+        if self.lines is None:
+            return stencil.along(values[component], axis, self.periods[axis])
+        return self._times(self.lines.matrix(stencil, axis, where, component, odd), np.concatenate(values))
+
+    def _times(self, matrix, values: np.ndarray) -> np.ndarray:
+        return (matrix @ values.reshape(len(values), -1)).reshape(-1, 1, 1, *values.shape[3:])
 
     def others(self, i: int | None) -> list[int]:
         """The directions but one."""
@@ -118,7 +145,7 @@ class Metrics:
         area = cross(*self.covariant)
         whole = area.sum(axis=(0, 1, 2))
         unit = whole / max(float(np.linalg.norm(whole)), np.finfo(float).tiny)
-        if np.abs(self.position @ unit).max() <= 1e-9 * self.grid.diagonal:
+        if np.abs(self.position @ unit).max() <= 1e-9 * max(block.diagonal for block in self.blocks):
             return unit if abs(unit[2]) < 1 else np.array([0.0, 0.0, 1.0])
         size = np.sqrt(dot(area, area))
         return area / np.where(size > 0, size, 1.0)[..., None]
@@ -149,8 +176,9 @@ class Metrics:
         if self.dimension == 2:
             return self._normals_of_faces(self.covariant)
         products = [cross(self.position, base) for base in self.covariant]
+        along = partial(self.along_of, self.stencils.derivative, products, where="points")
         return 0.5 * np.stack(
-            [self.derivative(products[k], j) - self.derivative(products[j], k) for j, k in ((1, 2), (2, 0), (0, 1))]
+            [along(axis=j, component=k) - along(axis=k, component=j) for j, k in ((1, 2), (2, 0), (0, 1))]
         )
 
     def conductance(self, i: int, j: int) -> np.ndarray:
@@ -186,6 +214,14 @@ def _check_lines(grid: StructuredGrid, order: int, periods: tuple[int, ...]) -> 
                 f"is periodic along {name}, but its last points are not where its first are; close it",
                 parameter="grid",
             )
+
+
+def _joined_lines(grid: StructuredGrid | MultiBlock, order: int, blocks: tuple[StructuredGrid, ...]) -> JoinedLines:
+    if any(cut.moves for cut in grid.joins):
+        raise InvalidInput("has sides that are moved into each other; the operators take none", parameter="grid")
+    for block in blocks:
+        _check_lines(block, order, (0, 0, 0))
+    return JoinedLines([block.shape for block in blocks], grid.joins)
 
 
 def check_sign(values: np.ndarray, name: str, of: Literal["points", "cells"]) -> None:

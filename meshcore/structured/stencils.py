@@ -85,13 +85,13 @@ class Stencil:
             return values
         first = np.take(values, np.arange(self.needed), axis)
         last = np.take(values, np.arange(n - 1, n - 1 - self.needed, -1), axis)
-        low = np.tensordot(_extrapolation(before, self.needed)[::-1], first, (1, axis))
-        high = np.tensordot(_extrapolation(after, self.needed), last, (1, axis))
+        low = np.tensordot(extrapolation(before, self.needed)[::-1], first, (1, axis))
+        high = np.tensordot(extrapolation(after, self.needed), last, (1, axis))
         return np.concatenate([np.moveaxis(low, 0, axis), values, np.moveaxis(high, 0, axis)], axis)
 
 
 @cache
-def _extrapolation(count: int, needed: int) -> np.ndarray:
+def extrapolation(count: int, needed: int) -> np.ndarray:
     """(count, needed) float: Lagrange's weights of values at 0, 1, ... for ghosts at -1, -2, ..."""
     nodes = np.arange(needed)
     table = np.ones((count, needed))

@@ -252,7 +252,11 @@ def square(n=6):
 @pytest.mark.parametrize(
     "wrong, error, text",
     [
-        (lambda: Curvilinear(np.zeros((5, 5, 1, 3))), InvalidInput, "needs a StructuredGrid, got ndarray"),
+        (
+            lambda: Curvilinear(np.zeros((5, 5, 1, 3))),
+            InvalidInput,
+            "needs a StructuredGrid or",
+        ),
         (lambda: Curvilinear(square(), order=3), InvalidInput, "is 3; the operators are of order 2 or 4"),
         (lambda: Curvilinear(square(3)), InvalidInput, "has 4 points along i; order 2 needs 5"),
         (lambda: Curvilinear(square(5), order=4), InvalidInput, "has 6 points along i; order 4 needs 7"),

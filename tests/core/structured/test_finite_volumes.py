@@ -215,7 +215,7 @@ def test_folded_cells_are_refused_with_their_numbers():
         (lambda g: FiniteVolumes(g).swept(curved.grid(curved.smooth, 9)), "has shape"),
         (lambda g: FiniteVolumes(g).swept(g.with_points(g.points + [0, 0, 1])), "out of a plane"),
         (lambda g: FiniteVolumes(curved.grid(curved.sphere, 8)).swept(g), "out of a plane"),
-        (lambda g: FiniteVolumes(g.to_mesh()), "needs a StructuredGrid, got Mesh"),
+        (lambda g: FiniteVolumes(g.to_mesh()), "needs a StructuredGrid or a MultiBlock, got Mesh"),
     ],
 )
 def test_bad_input_is_named(wrong, text):

@@ -1,0 +1,94 @@
+"""Grids with cuts, made by hand, for tests of cuts and haloes."""
+
+import numpy as np
+
+from meshcore import Cut, MultiBlock, StructuredGrid
+
+
+def ring(n: int, layers: int, start: int = 0, ratio: float = 4.0) -> StructuredGrid:
+    """A polar grid round the unit circle, clockwise, cut at point number ``start`` of n."""
+    angle = -2 * np.pi * (start + np.arange(n + 1)) / n
+    radius = ratio ** (np.arange(layers + 1) / layers)
+    points = np.stack(np.broadcast_arrays(radius * np.cos(angle)[:, None], radius * np.sin(angle)[:, None]), axis=-1)
+    points[-1] = points[0]
+    return StructuredGrid(points, periodic=(True, False, False))
+
+
+def c_shape(wake: int, around: int, layers: int, bend: float = 0.0) -> StructuredGrid:
+    """A C-grid round the unit circle whose lines run on smoothly through the wake.
+
+    With w = s + i t, the flow past the circle has the potential z + 1/z = w^2 - 2: the circle is t = 0, |s| <= 2, and
+    w and -w are the same place. So t < 0 is beyond the wake, and odd functions of w bend the lines there smoothly, too.
+    """
+    half = around // 2
+    s = 2.0 / half * np.arange(-(half + wake), half + wake + 1)
+    points = parabolic(s, np.linspace(0, 1.5, layers + 1), bend)
+    n = len(s) - 1
+    points[wake, 0] = points[n - wake, 0] = [1, 0]
+    points[n - wake :, 0] = points[: wake + 1, 0][::-1]
+    cut = Cut(((0, 0, 0), (wake, 0, 0)), ((n, 0, 0), (n - wake, 0, 0)), (-1, -2, 3), name="wake")
+    return StructuredGrid(points, cuts=(cut,))
+
+
+def parabolic(s: np.ndarray, t: np.ndarray, bend: float = 0.0) -> np.ndarray:
+    """(ns, nt, 2) places of w = s + i t of `c_shape`."""
+    s = s[:, None]
+    w = s * (1 + bend * (s**2 - 4 - t**2)) + 1j * t * (1 + bend * (0.3 * t**2 + s**2))
+    zeta = w**2 - 2
+    z = 0.5 * (zeta + np.sqrt(zeta - 2 + 0j) * np.sqrt(zeta + 2 + 0j))
+    z = np.where(np.abs(z) < 1 - 1e-9, 1 / z, z)
+    on = (t == 0) & (np.abs(s) <= 2 + 1e-9)
+    angle = np.arccos(np.clip(zeta.real / 2, -1, 1))
+    z = np.where(on, np.exp(1j * np.where(s < 0, -1, 1) * angle), z)
+    return np.stack([z.real, z.imag], axis=-1)
+
+
+def h_shape(n: int, bend: float = 0.0) -> MultiBlock:
+    """Four blocks round a square hole, of n or 3 n by n cells, the corners belonging to those above and below.
+
+    ::
+
+        +---------------+       The lines are those of a smooth map of the plane, so that they run on through all cuts.
+        |      top      |       The hole, with straight corners in the indices, is where differences are one-sided.
+        +----+=====+----+
+        |west||hole||east|
+        +----+=====+----+
+        |    bottom     |
+        +---------------+
+    """
+    x = np.linspace(-3, 3, 3 * n + 1)
+
+    def block(i: slice, j: slice) -> StructuredGrid:
+        u, v = np.meshgrid(x[i], x[j], indexing="ij")
+        return StructuredGrid(np.stack([u + bend * np.sin(v + 0.3 * u), v + bend * np.cos(u)], axis=-1))
+
+    low, middle, high = slice(0, n + 1), slice(n, 2 * n + 1), slice(2 * n, None)
+    every = slice(None)
+    blocks = (block(every, low), block(low, middle), block(high, middle), block(every, high))
+    m, end = n, 3 * n
+    cuts = [
+        Cut(((0, m, 0), (m, m, 0)), ((0, 0, 0), (m, 0, 0)), (1, 2, 3), 0, 1),
+        Cut(((2 * m, m, 0), (end, m, 0)), ((0, 0, 0), (m, 0, 0)), (1, 2, 3), 0, 2),
+        Cut(((0, m, 0), (m, m, 0)), ((0, 0, 0), (m, 0, 0)), (1, 2, 3), 1, 3),
+        Cut(((0, m, 0), (m, m, 0)), ((2 * m, 0, 0), (end, 0, 0)), (1, 2, 3), 2, 3),
+    ]
+    return MultiBlock(blocks, ("bottom", "west", "east", "top"), tuple(cuts))
+
+
+def quarter_turned(turn: int, width: int = 3, bend: float = 0.0) -> MultiBlock:
+    """Two blocks side by side that share a line of ``width`` cells, the second turned by quarters, on a smooth map."""
+
+    def block(x: np.ndarray) -> np.ndarray:
+        u, v = np.meshgrid(x, np.arange(width + 1.0), indexing="ij")
+        return np.stack([u + bend * np.sin(0.3 * v), v + bend * np.cos(0.2 * u)], axis=-1)
+
+    first, second = block(np.arange(width + 2.0)), block(np.arange(width + 1.0, 2 * width + 2.0))
+    number = np.rot90(np.arange((width + 1) ** 2).reshape(width + 1, width + 1), turn)
+
+    def at(point: int) -> np.ndarray:
+        return np.array([*np.argwhere(number == point)[0], 0])
+
+    steps = [at(width + 1) - at(0), at(1) - at(0)]
+    transform = (*(int(step @ [1, 2, 0]) for step in steps), 3)
+    cut = Cut(((width + 1, 0, 0), (width + 1, width, 0)), (tuple(at(0)), tuple(at(width))), transform, 0, 1)
+    return MultiBlock((StructuredGrid(first), StructuredGrid(np.rot90(second, turn))), cuts=(cut,))
