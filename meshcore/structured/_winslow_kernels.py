@@ -106,8 +106,11 @@ def jacobi_moves(r, f, c, sharp, out, squares, first, last):
 
 
 @kernel
-def smooth_along_i(r, f, c, sharp, cyclic, work, first, last):
-    """Solve the columns ``first``, ``first`` + 2, ... before ``last`` for their correction, coefficients frozen."""
+def smooth_along_i(r, f, c, sharp, cyclic, step, work, first, last):
+    """Solve the columns ``first``, ``first`` + 2, ... before ``last`` for their correction, coefficients frozen.
+
+    Only ``step`` of the correction is made.
+    """
     n = r.shape[1]
     for start in range(first, last, 2 * LANES):
         used = min(LANES, (last - start + 1) // 2)
@@ -128,13 +131,13 @@ def smooth_along_i(r, f, c, sharp, cyclic, work, first, last):
         for i in range(1, n - 1):
             x, y = r[0, i], r[1, i]
             for k in range(used):
-                x[U(start + 2 * k)] += work[U(i * RECORD + DX + k)]
-                y[U(start + 2 * k)] += work[U(i * RECORD + DY + k)]
+                x[U(start + 2 * k)] += step * work[U(i * RECORD + DX + k)]
+                y[U(start + 2 * k)] += step * work[U(i * RECORD + DY + k)]
 
 
 @kernel
-def smooth_along_j(r, f, c, sharp, out, work, first, last):
-    """Solve the rows ``first``, ``first`` + 2, ... before ``last`` for their correction, coefficients frozen."""
+def smooth_along_j(r, f, c, sharp, step, out, work, first, last):
+    """The same of the rows ``first``, ``first`` + 2, ... before ``last``."""
     n = r.shape[2]
     for start in range(first, last, 2 * LANES):
         used = min(LANES, (last - start + 1) // 2)
@@ -154,8 +157,8 @@ def smooth_along_j(r, f, c, sharp, out, work, first, last):
         for k in range(used):
             x, y = r[0, start + 2 * k], r[1, start + 2 * k]
             for j in range(1, n - 1):
-                x[U(j)] += work[U(j * RECORD + DX + k)]
-                y[U(j)] += work[U(j * RECORD + DY + k)]
+                x[U(j)] += step * work[U(j * RECORD + DX + k)]
+                y[U(j)] += step * work[U(j * RECORD + DY + k)]
 
 
 @kernel

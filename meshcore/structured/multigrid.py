@@ -169,8 +169,9 @@ class Anderson:
     """
 
     def __init__(self, size: int, workers: Workers, depth: int = DEPTH, dtype: type = np.float64):
-        self._change, self.last = np.zeros((2, size))
-        self._changes, self._steps = np.zeros((2, depth, size), dtype)
+        # Not zeros: they do not come in large pages, and first writes to small ones cost more than the sums.
+        self._change, self.last = np.empty((2, size))
+        self._changes, self._steps = np.empty((2, depth, size), dtype)
         self._gram = np.zeros((depth, depth))
         self._workers = workers
         self._chunks = -(-size // kernels.CHUNK)
@@ -180,21 +181,31 @@ class Anderson:
         """Begin anew."""
         self._taken = 0
 
+    @property
+    def active(self) -> bool:
+        """Whether the last step was improved: the first has none to be compared with."""
+        return self._taken > 1
+
     def accelerate(self, before: np.ndarray, after: np.ndarray) -> None:
         """Improve ``after``, what a step made of ``before``; both flat."""
+        if not self._taken:
+            np.subtract(after, before, out=self._change)
+            self.last[:] = after
+            self._taken = 1
+            return
         depth = len(self._gram)
-        slot = (self._taken - 1) % depth  # the first step differs from none: its slot is the first to be used again
+        slot = (self._taken - 1) % depth
         state = after, before, self._change, self.last, self._changes, self._steps, slot
         self._share(partial(kernels.remember, *state))
-        if used := min(self._taken, depth):
-            sums = np.zeros((self._chunks, 2, used))
-            self._share(partial(self._add_up, slot, sums))
-            self._gram[slot, :used], right = sums.sum(axis=0)
-            self._gram[:used, slot] = self._gram[slot, :used]
-            scale = 1 / np.sqrt(np.maximum(np.diag(self._gram)[:used], TINY))
-            gram = self._gram[:used, :used] * scale[:, None] * scale
-            factors = scale * np.linalg.lstsq(gram, scale * right, rcond=1e-10)[0]
-            self._share(partial(kernels.subtract, after, self._steps, factors))
+        used = min(self._taken, depth)
+        sums = np.zeros((self._chunks, 2, used))
+        self._share(partial(self._add_up, slot, sums))
+        self._gram[slot, :used], right = sums.sum(axis=0)
+        self._gram[:used, slot] = self._gram[slot, :used]
+        scale = 1 / np.sqrt(np.maximum(np.diag(self._gram)[:used], TINY))
+        gram = self._gram[:used, :used] * scale[:, None] * scale
+        factors = scale * np.linalg.lstsq(gram, scale * right, rcond=1e-10)[0]
+        self._share(partial(kernels.subtract, after, self._steps, factors))
         self._taken += 1
 
     def _share(self, work: Callable[[int, int], object]) -> None:

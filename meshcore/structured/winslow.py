@@ -13,7 +13,7 @@ import numpy as np
 
 from ..progress import Progress, advance, silent
 from ..threads import Workers, available_threads
-from .multigrid import CLOSE, DAMPED, MIXED_FROM, Anderson
+from .multigrid import CLOSE, DAMPED, Anderson
 from .winslow_levels import FEWEST_CELLS, Levels
 
 MOST_CYCLES = 60
@@ -26,7 +26,11 @@ _CYCLES_AT_THE_START, _ENOUGH_AT_THE_START = 6, 3e-3  # or until the residual ha
 # A cycle after which the residual is so many times as large is taken back.
 _GROWTH = 1.5
 _DEPTH = 4  # earlier cycles that the acceleration looks back on
-_PATIENCE = 6  # cycles without a smaller residual after which coarse corrections are damped, and then given up
+_MIXED_FROM = 2  # cycle from which it does, where grids need only be close
+_PATIENCE = 6  # cycles without a smaller residual after which steps become more careful
+# Shares of coarse corrections and of smoothing's steps that are made in turn: smoothing with coefficients that change
+# while lines are solved can go to and fro between a few grids for ever.
+_CARE = ((1.0, 1.0), (DAMPED, 1.0), (DAMPED, 0.5))
 
 
 @dataclass(frozen=True)
@@ -135,12 +139,14 @@ def winslow(
         scale = finest.residual()
         if scale < 1e-14:  # the start solves the equations, up to rounding
             return Solution(points.copy(), (1.0,), 0.0, True)
-        full_multigrid(levels)
-        if not np.isfinite(finest.residual()):  # coarse levels led astray
+        residual = full_multigrid(levels)
+        if not np.isfinite(residual):  # coarse levels led astray
             finest.put(frame.inside(points))
-        history, error, converged = _converge(levels, scale, tolerance, most_cycles, progress)
+            residual = scale
+        history = [1.0, residual / scale]
+        error, converged = _converge(levels, scale, history, tolerance, most_cycles, progress)
         found = frame.outside(finest.points_without_ghosts, points, CUT if cyclic else ())
-        return Solution(found, history, error, converged)
+        return Solution(found, tuple(history), error, converged)
 
 
 @dataclass(frozen=True)
@@ -160,8 +166,9 @@ class Frame:
 
     @classmethod
     def of(cls, points: np.ndarray) -> Frame:
-        """The frame that suits a grid."""
-        low, high = points.min(axis=(0, 1)), points.max(axis=(0, 1))
+        """The frame that suits a grid, whose boundary tells how far it reaches."""
+        loop = boundary_loop(points)
+        low, high = loop.min(axis=0), loop.max(axis=0)
         return cls(low / 2 + high / 2, float(np.exp2(np.ceil(np.log2((high - low).max())))))
 
     def inside(self, points: np.ndarray) -> np.ndarray:
@@ -186,8 +193,21 @@ def orientation(points: np.ndarray) -> float:
     >>> orientation(np.stack([x, y], axis=-1)), orientation(np.stack([y, x], axis=-1))
     (1.0, -1.0)
     """
-    one, other = points[1:, 1:] - points[:-1, :-1], points[:-1, 1:] - points[1:, :-1]
-    return 1.0 if (one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]).sum() > 0 else -1.0
+    loop = boundary_loop(points)
+    x, y = (loop - loop[0]).T
+    return 1.0 if (x[:-1] * y[1:] - y[:-1] * x[1:]).sum() > 0 else -1.0
+
+
+def boundary_loop(points: np.ndarray) -> np.ndarray:
+    """(n, 2) points once round the boundary of a (ni, nj, 2) grid, along i first; the last is the first.
+
+    Examples
+    --------
+    >>> x, y = np.meshgrid([0.0, 1], [0.0, 1], indexing="ij")
+    >>> boundary_loop(np.stack([x, y], axis=-1)).tolist()
+    [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]]
+    """
+    return np.concatenate([points[:-1, 0], points[-1, :-1], points[:0:-1, -1], points[0, ::-1]])
 
 
 def levels_of(r: np.ndarray, cyclic: bool, workers: Workers, fewest: tuple[int, int] = FEWEST_CELLS) -> Levels:
@@ -206,8 +226,8 @@ def levels_of(r: np.ndarray, cyclic: bool, workers: Workers, fewest: tuple[int, 
     return levels
 
 
-def full_multigrid(levels: Levels, cycles: int = 1) -> None:
-    """Improve the grid of the finest level by ``cycles`` on each level, from a coarse one upwards.
+def full_multigrid(levels: Levels, cycles: int = 1) -> float:
+    """Improve the grid of the finest level by ``cycles`` on each level, from a coarse one upwards: its residual.
 
     What a level hands on is the difference between its solution and the start as it samples it.
     """
@@ -215,17 +235,18 @@ def full_multigrid(levels: Levels, cycles: int = 1) -> None:
     while start < len(levels.tables) and min(levels.levels[start + 1].cells) >= _FEWEST_CELLS_TO_START:
         levels.sample(start)
         start += 1
-    samples = [level.r.copy() for level in levels.levels[: start + 1]]
+    samples = {number: levels.levels[number].r.copy() for number in range(1, start + 1)}
     for number in range(start, -1, -1):
         level = levels.levels[number]
         level.f[:] = 0
         if number < start:
-            level.r[:] = samples[number]
-            levels.correct(number, samples[number + 1])
+            levels.correct(number, samples.pop(number + 1))
         first = level.residual() if number == start else 0.0
         for _ in range(cycles if number < start else _CYCLES_AT_THE_START):
-            if safe_cycle(levels, number) < _ENOUGH_AT_THE_START * first:
+            residual = safe_cycle(levels, number)
+            if residual < _ENOUGH_AT_THE_START * first:
                 break
+    return residual
 
 
 def safe_cycle(levels: Levels, number: int = 0) -> float:
@@ -246,15 +267,23 @@ def safe_cycle(levels: Levels, number: int = 0) -> float:
 
 
 def _converge(
-    levels: Levels, scale: float, tolerance: float | None, most_cycles: int, progress: Progress
-) -> tuple[tuple[float, ...], float, bool]:
-    """Cycles until the residual, or the estimate of the error, is small enough: history, error, whether it is."""
+    levels: Levels,
+    scale: float,
+    history: list[float],
+    tolerance: float | None,
+    most_cycles: int,
+    progress: Progress,
+) -> tuple[float, bool]:
+    """Cycles until the residual, or the estimate of the error, is small enough: that estimate, whether it is.
+
+    Residuals join the ``history``.
+    """
     finest = levels.levels[0]
-    history, error, last_move = [1.0, finest.residual() / scale], np.inf, np.inf
+    rates, error = Rates(), np.inf
     before, mixing = finest.r.copy(), None
-    damping, best_at = 1.0, 0
+    care, best_at = 0, 0
     for cycle in range(1, most_cycles + 1):
-        levels.cycle(damping=damping)
+        levels.cycle(damping=_CARE[care][0])
         residual = finest.residual() / scale
         if not residual <= _GROWTH * history[-1]:
             finest.r[:] = before
@@ -263,21 +292,54 @@ def _converge(
             residual = finest.residual() / scale
             if not np.isfinite(residual):  # cells without size, which no sweep can mend
                 finest.r[:] = before
-                return tuple(history), np.inf, False
+                return np.inf, False
         history.append(residual)
-        move = finest.largest_move(before)
-        rate = min(max(move / last_move, 0.1), 0.9) if np.isfinite(last_move) else 0.5
-        error, last_move = move * rate / (1 - rate), move
+        error = rates.error(finest.largest_move(before), mixed=mixing is not None and mixing.active)
         if error <= CLOSE if tolerance is None else residual <= tolerance:
-            return tuple(history), error, True
+            return error, True
         best_at = best_at if residual >= min(history[:-1]) else cycle
         if cycle - best_at > _PATIENCE:
-            if damping < 1:
+            care, best_at, mixing = care + 1, cycle, None
+            if care == len(_CARE):
                 break
-            damping, best_at, mixing = DAMPED, cycle, None
+            levels.set_step(_CARE[care][1])
         advance(progress, cycle / most_cycles, f"residual {residual:.1e}")
-        if tolerance is not None or cycle >= MIXED_FROM:
-            mixing = mixing or Anderson(finest.r.size, levels.workers, _DEPTH)
-            mixing.accelerate(before.reshape(-1), finest.r.reshape(-1))
+        if tolerance is not None or cycle >= _MIXED_FROM:
+            mixing = mixing or Anderson(finest.r.size, levels.workers, _DEPTH, np.float32)
+            _mix(levels, before, mixing)
         before[:] = finest.r
-    return tuple(history), error, False
+    return error, False
+
+
+def _mix(levels: Levels, before: np.ndarray, mixing: Anderson) -> None:
+    """Improve what a cycle made of ``before`` by what earlier ones did, unless that folds further cells."""
+    finest = levels.levels[0]
+    folds = finest.folds(levels.sign)
+    mixing.accelerate(before.reshape(-1), finest.r.reshape(-1))
+    if finest.folds(levels.sign) > folds:
+        finest.r[:] = mixing.last.reshape(finest.r.shape)
+        mixing.forget()
+
+
+class Rates:
+    """Estimates how far a grid is from the converged one, by how the moves of cycles shrink.
+
+    A cycle that contracts errors by ``rate`` and moves a node by ``move`` leaves ``move * rate / (1 - rate)``. Moves
+    tell the rate as long as nothing but cycles makes them: after mixing they shrink faster than a cycle contracts.
+
+    Examples
+    --------
+    >>> rates = Rates()
+    >>> rates.error(1.0), rates.error(0.25), rates.error(0.02, mixed=True)
+    (1.0, 0.08333333333333333, 0.006666666666666667)
+    """
+
+    def __init__(self) -> None:
+        self._last, self._rate = np.inf, 0.5
+
+    def error(self, move: float, *, mixed: bool = False) -> float:
+        """The estimate after a cycle whose largest move is given, and whether it began from a mixture."""
+        if np.isfinite(self._last):
+            self._rate = min(max(move / self._last, self._rate if mixed else 0.1), 0.9)
+        self._last = move
+        return move * self._rate / (1 - self._rate)

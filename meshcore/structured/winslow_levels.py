@@ -64,7 +64,8 @@ class Table:
         """For each coarse node the fine nodes under its hat function, and their weights, which add up to one."""
         at = np.arange(self.coarse + 1) * self.ratio
         nodes = np.round(at).astype(np.int64)[:, None] + np.arange(transfer.HAT) - transfer.HAT // 2
-        weights = np.maximum(0.0, 1 - np.abs(nodes - at[:, None]) / self.ratio)
+        weights = 1 - np.abs(nodes - at[:, None]) / self.ratio
+        weights[weights < 1e-12] = 0  # boundaries, at the rim of a hat, have no part in it at all
         if self.cyclic:
             nodes = (nodes - 1) % self.fine + 1
         else:
@@ -95,15 +96,22 @@ class Level:
         Who does the work.
     is_finest : bool
         Whether its right-hand side is zero for ever.
+
+    Attributes
+    ----------
+    step : float
+        Share of each line's correction that smoothing makes.
     """
 
     def __init__(
         self, cells: tuple[int, int], cyclic: bool, sharp: bool, shift: np.ndarray, workers: Workers, *, is_finest: bool
     ):
         self.cells, self.cyclic, self.shift, self._workers = cells, cyclic, shift, workers
+        self.step = 1.0
         shape = (2, cells[0] + 1 + cyclic, cells[1] + 1)
         self.sharp = cells[0] if cyclic and sharp else 0  # row 0 is no unknown, so this is none
-        self.r, self.d = np.zeros(shape), np.zeros(shape)
+        # Not `zeros`, which do not come in large pages: first writes to small ones take as long as smoothing lines.
+        self.r, self.d = np.full(shape, 0.0), np.full(shape, 0.0)
         one_row = (2, 1, shape[2])
         self.f, self.c = np.zeros(one_row if is_finest else shape), np.zeros(one_row)
         self._per_row = np.zeros(shape[1])
@@ -143,11 +151,11 @@ class Level:
 
         def along_j(a: int, b: int) -> None:
             lines = np.empty(kernels.RECORD * r.shape[2])
-            kernels.smooth_along_j(r, f, c, self.sharp, self.rows(4), lines, a, b)
+            kernels.smooth_along_j(r, f, c, self.sharp, self.step, self.rows(4), lines, a, b)
 
         def along_i(a: int, b: int) -> None:
             lines = np.empty(kernels.RECORD * r.shape[1])
-            kernels.smooth_along_i(r, f, c, self.sharp, self.cyclic, lines, a, b)
+            kernels.smooth_along_i(r, f, c, self.sharp, self.cyclic, self.step, lines, a, b)
 
         for run, lines in ((along_j, r.shape[1]), (along_i, r.shape[2])):
             for odd in (1, 2):
@@ -242,6 +250,11 @@ class Levels:
                     kernels.wrap(coarse, np.zeros(2))
                 theta = coarse[:, : self.levels[number + 1].cells[0] + 1]
 
+    def set_step(self, step: float) -> None:
+        """Set the share of each line's correction that smoothing makes on all levels."""
+        for level in self.levels:
+            level.step = step
+
     def cycle(self, number: int = 0, damping: float = 1.0) -> None:
         """One V(1, 1) cycle from level ``number`` down and up again."""
         level = self.levels[number]
@@ -285,7 +298,8 @@ class Levels:
     def _correct_guarded(self, number: int, step: float) -> None:
         """The same, shortened or left out where it folds more cells: the discrete equations have folded solutions."""
         level, before = self.levels[number], self._before[number]
-        folds, uncorrected = level.folds(self.sign), level.r.copy()
+        folds, uncorrected = level.folds(self.sign), level.d  # the defect is needed no more
+        uncorrected[:] = level.r
         self.correct(number, before, step)
         for _ in range(_SHORTENINGS):
             if level.folds(self.sign) <= folds:
