@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Annotated
 
-from ..errors import GenerationFailed
+from ..errors import GenerationFailed, InvalidInput
 from ..geometry.curves import Curve
 from ..mesh import StructuredGrid
-from ..operation import Param, Relative, operation
+from ..operation import Length, Param, Relative, operation
 from ..progress import Progress, part_of, silent
 from ..report import Result
 from ..threads import checked_threads
@@ -20,8 +20,10 @@ from .elliptic_parameters import (
     ResidualParam,
     SlidingParam,
     WallAngleParam,
+    Walls,
     WallsParam,
     asked_walls,
+    sides_of,
 )
 from .elliptic_problem import Asked, Equation, solved
 from .side_parameters import (
@@ -38,6 +40,7 @@ from .side_parameters import (
     ToleranceParam,
     WestPort,
 )
+from .sides import NAMES
 from .transfinite import transfinite
 from .winslow import CUT, MOST_CYCLES
 
@@ -103,7 +106,8 @@ def elliptic(
         Sides at which control functions are found, while the grid is solved, so that lines leave the wall at an angle
         and the first cells have a height (Steger and Sorenson).
     first_height : Length, optional
-        Length of the first edge at walls.
+        Length of the first edge at walls. Where cells are given, the two sides that end at a wall get it as their
+        spacing there, unless another is asked for; sides that keep their points should have it.
     wall_angle : float
         Degrees from the wall's direction, in which i or j grows, to the lines that leave it.
     sliding : bool
@@ -163,18 +167,23 @@ def elliptic(
     >>> grid, report.converged, len(report.history) < 14
     (StructuredGrid(17 x 9 points), True, True)
     """
+    spacings = (spacing_south, spacing_east, spacing_north, spacing_west)
+    asked_spacings = {f"spacing_{side}": one for side, one in zip(NAMES, spacings, strict=True) if one is not None}
+    at_walls = _end_spacings(walls, first_height, cells_i, cells_j)
     given = {
         "cells_i": cells_i,
         "cells_j": cells_j,
-        "spacing_south": spacing_south,
-        "spacing_east": spacing_east,
-        "spacing_north": spacing_north,
-        "spacing_west": spacing_west,
+        **(at_walls | asked_spacings),
         "blending": "arc length",
         "corners": corners,
         "tolerance": tolerance,
     }
-    start, warnings = _transfinite_start(south, east, north, west, progress=part_of(progress, 0.0, 0.1), **given)
+    try:
+        start, warnings = _transfinite_start(south, east, north, west, progress=part_of(progress, 0.0, 0.1), **given)
+    except InvalidInput as error:
+        if error.parameter in set(at_walls) - set(asked_spacings):  # the user gave no such thing
+            raise InvalidInput(str(error).partition(": ")[2], parameter="first_height") from None
+        raise
     given_walls = asked_walls(
         walls,
         first_height,
@@ -198,6 +207,17 @@ def elliptic(
     result = solved(start, asked, part_of(progress, 0.1, 1.0))
     result.report.warnings[:0] = warnings
     return result
+
+
+def _end_spacings(walls: Walls, height: Length | None, cells_i: int | None, cells_j: int | None) -> dict[str, Length]:
+    """The first height as the spacing at walls, where the sides that end there get new points anyway.
+
+    A wall whose neighbours have cells of another height at it cannot have that height up to its ends.
+    """
+    if height is None:
+        return {}
+    across = {"south": cells_j, "north": cells_j, "west": cells_i, "east": cells_i}
+    return {f"spacing_{side}": height for side in sides_of(walls) if across[side] is not None}
 
 
 def _transfinite_start(*sides: Curve | None, **given) -> tuple[StructuredGrid, list[str]]:

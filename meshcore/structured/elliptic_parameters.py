@@ -33,6 +33,17 @@ ResidualParam = Annotated[
 MaxCyclesParam = Annotated[int, Param("Cycles after which to give up", min=1, advanced=True)]
 
 
+def sides_of(walls: Walls) -> list[str]:
+    """The sides that a choice of walls names.
+
+    Examples
+    --------
+    >>> sides_of("south and north"), sides_of("none")
+    (['south', 'north'], [])
+    """
+    return [] if walls == "none" else list(SIDES) if walls == "all" else walls.split(" and ")
+
+
 def asked_walls(
     chosen: Walls,
     first_height: Length | None,
@@ -72,7 +83,7 @@ def asked_walls(
                 raise InvalidInput("is given, but no walls; name the sides that are walls", parameter=name)
         return []
     places = places or {side: side for side in SIDES}
-    names = [side for side in SIDES if side not in cuts] if chosen == "all" else chosen.split(" and ")
+    names = [side for side in sides_of(chosen) if side not in cuts or chosen != "all"]
     height = None if first_height is None else absolute(first_height, diagonal)
     turned = places["west"] != "west"
     angles = {side: 180 - angle if turned and side in ("south", "north") else angle for side in SIDES}

@@ -265,6 +265,7 @@ def _with_walls(points: np.ndarray, growth: np.ndarray | None, cyclic: bool, ask
     if not went.converged:
         warnings.append(
             f"walls not controlled after {len(went.history) - 2} steps: angles are off by up to {went.angle:.3g} "
-            f"degrees, heights by up to {went.height:.1%}"
+            f"degrees, heights by up to {went.height:.1%}; space the sides that end at walls by the first height, "
+            "take more cells, or ask for less"
         )
     return Found(grid, went.history, went.converged, warnings, quality)

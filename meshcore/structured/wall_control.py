@@ -27,6 +27,7 @@ ANGLE_WITHIN, HEIGHT_WITHIN, RESIDUAL_WITHIN = 1.0, 0.05, 1e-3
 FEWEST_CELLS = (16, 24)
 """Cells that a direction keeps on all levels: coarser ones cannot hold a control function that falls off in a few."""
 MOST_STEPS = 120
+_ROUNDING = 1e-14  # a residual that is none, in a grid of unit size
 _LEAN_REACH = 0.5  # a
 _GROWTH_REACH = 5.0  # b times the cells from wall to wall
 _SHARE = 0.6  # of the promised step
@@ -251,7 +252,7 @@ def controlled(
 ) -> Controlled:
     """Solve on the finest of ``levels`` with control functions ``growth`` and those that the walls come to need."""
     finest = levels.levels[0]
-    scale = finest.residual()
+    unit = max(finest.residual(), _ROUNDING / RESIDUAL_WITHIN)
     levels.set_growth(growth)
     full_multigrid(levels, 2)
     ni, nj = growth.shape[1:]
@@ -263,13 +264,14 @@ def controlled(
         reach = (out - 1) / (2 if opposite in [other.side for other in walls] else 1)
         slide = Slide(from_wall(finest.points_without_ghosts, wall.side)[..., 0]) if wall.slides else None
         controls.append(_Control(wall, closed, _GROWTH_REACH / reach, np.zeros(n), np.zeros(n), slide))
-    history, worst = [1.0, finest.residual() / scale], []
+    residuals, worst = [unit, finest.residual()], []
     for step in range(most_steps):
         r = finest.points_without_ghosts
         found = [measured(r, control.wall.side, levels.sign, finest.cyclic) for control in controls]
         angle, height = np.max([c.excess(f) for c, f in zip(controls, found, strict=True)], axis=0)
-        if angle < angle_within and height < height_within and history[-1] < RESIDUAL_WITHIN:
-            return Controlled(tuple(history), angle, height, True)
+        converged = angle < angle_within and height < height_within and residuals[-1] < RESIDUAL_WITHIN * unit
+        if converged:
+            break
         worst.append(angle / angle_within + height / height_within)
         if len(worst) > _PATIENCE and min(worst[-_PATIENCE:]) > 0.98 * min(worst[:-_PATIENCE]):
             break
@@ -281,7 +283,9 @@ def controlled(
                 control.slide.step(from_wall(r, control.wall.side), have, control.wall.angle, control.closed)
         finest.wrap()
         levels.set_growth(_limited(theta))
+        if step == 0:  # where the start solves the equations, as in a box, there is nothing to measure by but this
+            unit = max(unit, finest.residual())
         safe_cycle(levels)
-        history.append(finest.residual() / scale)
+        residuals.append(finest.residual())
         advance(progress, step / most_steps, f"angle within {angle:.2g} degrees, height within {height:.1%}")
-    return Controlled(tuple(history), angle, height, False)
+    return Controlled(tuple(residual / unit for residual in residuals), angle, height, converged)

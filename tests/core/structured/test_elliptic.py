@@ -276,3 +276,35 @@ def test_periodic_walls_are_upright_everywhere():
 def test_sides_that_do_not_repeat_are_refused():
     with pytest.raises(InvalidInput, match="east to be west moved along"):
         mc.elliptic(*WAVY, periodic=True)
+
+
+def box_sides(cells_i, cells_j):
+    """Sides of a 2 x 1 box with equal cells, which the Laplace equations leave as they are."""
+    x, y = np.linspace(0, 2, cells_i + 1), np.linspace(0, 1, cells_j + 1)
+    south, west = np.column_stack([x, 0 * x, 0 * x]), np.column_stack([0 * y, y, 0 * y])
+    return south, west + [2, 0, 0], south + [0, 1, 0], west
+
+
+def test_walls_are_reached_from_a_start_that_solves_the_equations():
+    grid, report = mc.elliptic(*box_sides(32, 24), walls="south", wall_angle=75)
+    assert report.converged and 0 < report.residual < 1
+    assert np.abs(mc.quality.face_angle(grid, "jmin")[3:-3] - 75).max() < 1
+    as_it_is, report = mc.elliptic(*box_sides(8, 8), walls="south")
+    assert report.converged and np.isfinite(report.history).all()
+    assert np.ptp(as_it_is.points[..., 1], axis=0).max() < 1e-12
+
+
+@pytest.mark.parametrize(("cells", "height"), [((16, 8), 0.02), ((64, 64), 1e-3)])
+def test_sides_that_get_new_points_begin_with_the_first_height(cells, height):
+    given = dict(zip(("cells_i", "cells_j"), cells, strict=True))
+    grid, report = mc.elliptic(*box_sides(4, 4), **given, walls="south", first_height=height)
+    assert report.converged and not report.warnings
+    assert np.abs(mc.quality.first_height(grid, "jmin") / height - 1).max() < 0.05  # at the ends, too
+    other, _ = mc.elliptic(*box_sides(4, 4), **given, walls="south", first_height=height, spacing_south=0.01)
+    assert np.allclose(np.linalg.norm(other.points[0, 1] - other.points[0, 0]), 0.01)
+
+
+def test_a_first_height_that_no_side_can_have_is_refused_by_its_own_name():
+    with pytest.raises(InvalidInput, match="does not fit a side of length 1 ") as caught:
+        mc.elliptic(*box_sides(4, 4), cells_i=8, cells_j=8, walls="south", first_height=2.0)
+    assert caught.value.parameter == "first_height"
