@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -69,7 +68,7 @@ def wanted_text(declaration: dict[str, Any]) -> str:
         return "a mesh with faces"
     if len(ports) == 1:
         return "a curve, or a mesh with open edges"
-    return f"{len(ports)} curves ({', '.join(ports)}), or one closed curve"
+    return f"{len(ports)} curves ({', '.join(ports)}), or one closed curve or four chains of edges in one object"
 
 
 def gather(
@@ -136,16 +135,9 @@ def in_order(sides: list[Source]) -> list[Source]:
     """
     if len(sides) < 3:
         return sides
-    ends = [_ends(side.mesh) for side in sides]
+    from meshcore.structured.one_boundary import order_around
 
-    def gaps(order: tuple[int, ...]) -> tuple[float, float]:
-        around = [ends[k] for k in (0, *order)]
-        apart = [_apart(a, b) for a, b in zip(around, around[1:] + around[:1], strict=True)]
-        # The second must touch the last end of the first.
-        return round(sum(apart), 6), _apart(around[0][-1:], around[1])
-
-    best = min(itertools.permutations(range(1, len(sides))), key=gaps)
-    return [sides[k] for k in (0, *best)]
+    return [sides[k] for k in order_around([_ends(side.mesh) for side in sides])]
 
 
 def _ends(mesh: Mesh) -> np.ndarray:
@@ -157,10 +149,6 @@ def _ends(mesh: Mesh) -> np.ndarray:
         return mesh.points[:2]
     forwards = lines[:, 0].tolist().count(ends[0]) == 1 or lines[0, 0] == ends[0]
     return mesh.points[ends if forwards else ends[::-1]]
-
-
-def _apart(a: np.ndarray, b: np.ndarray) -> float:
-    return float(np.linalg.norm(a[:, None] - b[None], axis=2).min())
 
 
 def _joined(sources: list[Source]) -> Source:

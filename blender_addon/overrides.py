@@ -27,4 +27,19 @@ class Refined(OperationBase):
         return {"marks": marks} if marks.any() and not np.all(marks) else {}
 
 
-OVERRIDES: dict[str, type[OperationBase]] = {"refined": Refined}
+class FourSided(OperationBase):
+    """In Edit Mode, four selected vertices are the corners of the loop that the object's open edges make."""
+
+    def extra(self, context: Any, arguments: dict[str, Any]) -> dict[str, Any]:
+        """The corners, unless the redo panel gives others."""
+        ob, source = context.active_object, self._sources[0]
+        if ob.mode != "EDIT" or source.vertices is None or arguments.get("corners", NO_CORNERS) != NO_CORNERS:
+            return {}
+        if array(ob.data.edges, "select", bool).any():  # then these are the sides
+            return {}
+        chosen = np.flatnonzero(array(ob.data.vertices, "select", bool)[source.vertices])
+        return {"corners": tuple(chosen.tolist())} if len(chosen) == len(NO_CORNERS) else {}
+
+
+NO_CORNERS = (-1, -1, -1, -1)
+OVERRIDES: dict[str, type[OperationBase]] = {"refined": Refined, "transfinite": FourSided, "elliptic": FourSided}

@@ -20,12 +20,13 @@ def show(context: Any, label: str, source: str, result: Any) -> tuple[Any, list[
     It stands at the source's place, without rotation or scale, so that its coordinates coincide with the source's in
     the world and keep as many digits.
     """
-    from meshcore import Mesh, PolyhedralMesh, quality
+    from meshcore import Mesh, StructuredGrid, quality
 
     from . import convert
 
-    whole = isinstance(result.mesh, (Mesh, PolyhedralMesh))
-    mesh = result.mesh if whole else result.mesh.to_mesh()
+    mesh, faces = result.mesh, {}
+    if isinstance(mesh, StructuredGrid):
+        mesh, faces = _with_named_faces(mesh)
     parent = bpy.data.objects.get(source)
     origin = np.array(parent.matrix_world.translation) if parent else np.zeros(3)
     report = result.report
@@ -38,9 +39,27 @@ def show(context: Any, label: str, source: str, result: Any) -> tuple[Any, list[
     _keep_report(data, report)
     ob = bpy.data.objects.new(name, data)
     ob.location = origin
+    for face, vertices in faces.items():
+        ob.vertex_groups.new(name=face).add(vertices, 1.0, "REPLACE")
     _home(context, parent).objects.link(ob)
     _make_active(context, ob)
     return ob, warnings
+
+
+def _with_named_faces(grid: Any) -> tuple[Any, dict[str, list[int]]]:
+    """A structured grid as a mesh, and the vertices of its named faces: in Blender they are vertex groups."""
+    from meshcore.mesh.structured_grid import FACES
+
+    marks = {}
+    for face, name in grid.names.items():
+        axis, last = divmod(FACES.index(face), 2)
+        at_face = np.zeros(grid.shape, bool)
+        np.moveaxis(at_face, axis, 0)[-last] = True
+        marks[f"face {name}"] = at_face
+    mesh = grid.with_point_data(**marks).to_mesh()
+    data = {name: values for name, values in mesh.point_data.items() if name not in marks}
+    faces = {name: np.flatnonzero(mesh.point_data[f"face {name}"]).tolist() for name in grid.names.values()}
+    return dataclasses.replace(mesh, point_data=data), faces
 
 
 def _home(context: Any, source: Any) -> Any:
@@ -68,7 +87,7 @@ def _keep_report(data: Any, report: Any) -> None:
     data[REPORT] = {
         "operation": report.operation,
         "seconds": report.seconds,
-        "converged": report.converged,
+        "converged": bool(report.converged),
         "warnings": "\n".join(report.warnings),
         "counts": {name[:63]: int(number) for name, number in report.counts.items()},
         "quality": {name[:63]: float(number) for name, number in report.quality.items()},

@@ -821,7 +821,7 @@ def vtk_type_of(content):
         <DataType value="vtkDataSet"/>
       </DataTypeDomain>
       <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
-      <Documentation>South side, or one closed loop in place of all four: line cells in one chain, or points in
+      <Documentation>South side, or all four: one closed loop, or four chains; line cells in one chain, or points in
       order.</Documentation>
     </InputProperty>
     <InputProperty name="East" label="East" port_index="1" command="SetInputConnection">
@@ -915,9 +915,13 @@ def vtk_type_of(content):
       <IntRangeDomain name="range" min="1"/>
       <Documentation>Cycles after which to give up.</Documentation>
     </IntVectorProperty>
-    <IntVectorProperty name="Corners" label="Corners" command="SetCorners" number_of_elements="4" default_values="-1 -1 -1 -1" panel_visibility="advanced">
+    <IntVectorProperty name="Corners" label="Corners" command="SetCorners" number_of_elements="4" default_values="-1 -1 -1 -1" panel_visibility="default">
       <IntRangeDomain name="range" min="-1 -1 -1 -1"/>
       <Documentation>Points of a closed loop that are its corners; four times -1 finds them.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="ShiftCorners" label="Shift Corners" command="SetShiftCorners" number_of_elements="4" default_values="0 0 0 0" panel_visibility="default">
+      <IntRangeDomain name="range" min="-1e+06 -1e+06 -1e+06 -1e+06" max="1e+06 1e+06 1e+06 1e+06"/>
+      <Documentation>Points along a closed loop by which each of its corners is moved.</Documentation>
     </IntVectorProperty>
     <DoubleVectorProperty name="Tolerance" label="Tolerance" command="SetTolerance" number_of_elements="1" default_values="-1" panel_visibility="advanced">
       <BoundsDomain name="range" mode="scaled_extent" scale_factor="1e-06"><RequiredProperties><Property name="Input" function="Input"/></RequiredProperties></BoundsDomain>
@@ -946,8 +950,11 @@ def vtk_type_of(content):
     <PropertyGroup label="Advanced">
       <Property name="Residual"/>
       <Property name="MaxCycles"/>
-      <Property name="Corners"/>
       <Property name="Tolerance"/>
+    </PropertyGroup>
+    <PropertyGroup label="Corners">
+      <Property name="Corners"/>
+      <Property name="ShiftCorners"/>
     </PropertyGroup>
     """
 )
@@ -1004,6 +1011,9 @@ class meshcoreEllipticGrid(Operation):
 
     def SetCorners(self, *values):
         self.set("corners", *values)
+
+    def SetShiftCorners(self, *values):
+        self.set("shift_corners", *values)
 
     def SetTolerance(self, value):
         self.set("tolerance", value if value >= 0 else BY_DEFAULT)
@@ -1251,7 +1261,7 @@ class meshcoreOGrid(Operation):
         <DataType value="vtkDataSet"/>
       </DataTypeDomain>
       <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
-      <Documentation>South side, or one closed loop in place of all four: line cells in one chain, or points in
+      <Documentation>South side, or all four: one closed loop, or four chains; line cells in one chain, or points in
       order.</Documentation>
     </InputProperty>
     <InputProperty name="East" label="East" port_index="1" command="SetInputConnection">
@@ -1332,9 +1342,13 @@ class meshcoreOGrid(Operation):
       <EnumerationDomain name="enum"><Entry value="0" text="none"/><Entry value="1" text="sides"/><Entry value="2" text="lines"/><Entry value="3" text="smoothing"/><Entry value="4" text="automatic"/></EnumerationDomain>
       <Documentation>What may be done about folded cells (overspill).</Documentation>
     </IntVectorProperty>
-    <IntVectorProperty name="Corners" label="Corners" command="SetCorners" number_of_elements="4" default_values="-1 -1 -1 -1" panel_visibility="advanced">
+    <IntVectorProperty name="Corners" label="Corners" command="SetCorners" number_of_elements="4" default_values="-1 -1 -1 -1" panel_visibility="default">
       <IntRangeDomain name="range" min="-1 -1 -1 -1"/>
       <Documentation>Points of a closed loop that are its corners; four times -1 finds them.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="ShiftCorners" label="Shift Corners" command="SetShiftCorners" number_of_elements="4" default_values="0 0 0 0" panel_visibility="default">
+      <IntRangeDomain name="range" min="-1e+06 -1e+06 -1e+06 -1e+06" max="1e+06 1e+06 1e+06 1e+06"/>
+      <Documentation>Points along a closed loop by which each of its corners is moved.</Documentation>
     </IntVectorProperty>
     <DoubleVectorProperty name="Tolerance" label="Tolerance" command="SetTolerance" number_of_elements="1" default_values="-1" panel_visibility="advanced">
       <BoundsDomain name="range" mode="scaled_extent" scale_factor="1e-06"><RequiredProperties><Property name="Input" function="Input"/></RequiredProperties></BoundsDomain>
@@ -1355,8 +1369,11 @@ class meshcoreOGrid(Operation):
       <Property name="LawI"/>
       <Property name="LawJ"/>
     </PropertyGroup>
-    <PropertyGroup label="Advanced">
+    <PropertyGroup label="Corners">
       <Property name="Corners"/>
+      <Property name="ShiftCorners"/>
+    </PropertyGroup>
+    <PropertyGroup label="Advanced">
       <Property name="Tolerance"/>
     </PropertyGroup>
     """
@@ -1399,6 +1416,9 @@ class meshcoreTransfiniteInterpolation(Operation):
 
     def SetCorners(self, *values):
         self.set("corners", *values)
+
+    def SetShiftCorners(self, *values):
+        self.set("shift_corners", *values)
 
     def SetTolerance(self, value):
         self.set("tolerance", value if value >= 0 else BY_DEFAULT)

@@ -136,8 +136,9 @@ def resampled(points: np.ndarray, fractions: np.ndarray) -> np.ndarray:
 def sharpest_corners(loop: np.ndarray, count: int = 4) -> np.ndarray:
     """(count,) int: the points of a closed polyline where it turns most, in order, apart from each other.
 
-    A corner closer than a tenth of the length over ``count`` to a sharper one is passed over, and where the
-    loop has fewer real corners the rest are set evenly between.
+    Turning is measured over a part of the loop's length, so that a rounded corner counts as one, and a circle of few
+    points has none; corners that point inwards do not count. Of corners that turn alike the farthest from those chosen
+    is taken, and where the loop has fewer than ``count`` the rest are set evenly between.
 
     Raises
     ------
@@ -155,34 +156,49 @@ def sharpest_corners(loop: np.ndarray, count: int = 4) -> np.ndarray:
     n = len(loop) - 1
     if n < count:
         raise InvalidInput(f"needs at least {count} points, got {n}")
-    turn = _turns(loop[:-1])
-    length = arc_length(loop)
-    total, at = length[-1], length[:-1]
+    at = arc_length(loop)[:-1] / arc_length(loop)[-1]
+    nearest = _NEAREST / count
+    turn = _turns(loop, 0.5 * nearest)
+    free = turn > _LEAST_TURN
     chosen: list[int] = []
-    for k in np.argsort(-turn, kind="stable"):
-        if len(chosen) < count and turn[k] > 10 and _apart(at[k], at[chosen], total) > 0.1 * total / count:
-            chosen.append(int(k))
+    while len(chosen) < count and free.any():
+        alike = np.flatnonzero(free & (turn > _ALIKE * turn[free].max()))
+        far = alike[np.argmax(_apart(at[alike], at[chosen]))]
+        corner = np.flatnonzero(free & (_apart(at, at[[far]]) <= 0.5 * nearest))
+        chosen.append(int(corner[np.argmax(turn[corner])]))
+        free &= _apart(at, at[chosen]) > nearest
     while len(chosen) < count:  # halve the longest stretch between corners
-        free = np.setdiff1d(np.arange(n), chosen)
-        gaps = [_apart(at[k], at[chosen], total) for k in free]
-        chosen.append(int(free[np.argmax(gaps)]))
+        rest = np.setdiff1d(np.arange(n), chosen)
+        chosen.append(int(rest[np.argmax(_apart(at[rest], at[chosen]))]))
     return np.sort(np.array(chosen))
 
 
-def _turns(points: np.ndarray) -> np.ndarray:
-    """(n,) float: how many degrees a loop turns at each point; the first of several equal points has it all."""
-    turn = np.zeros(len(points))
-    kept = np.flatnonzero((points != np.roll(points, 1, axis=0)).any(axis=1))
-    along = points[kept] - np.roll(points[kept], 1, axis=0)
-    along /= np.linalg.norm(along, axis=1)[:, None]
-    cosine = (along * np.roll(along, -1, axis=0)).sum(axis=1)
-    turn[kept] = np.degrees(np.arccos(np.clip(cosine, -1, 1)))
-    return turn
+_NEAREST = 0.2  # of the length over the number of corners: none is nearer than this to a sharper one
+_LEAST_TURN = 20.0  # degrees: what turns by less is no corner, as a circle nowhere does
+_ALIKE = 0.99  # of the sharpest turn
 
 
-def _apart(at: float, others: np.ndarray, total: float) -> float:
-    """Least distance along a loop."""
+def _turns(loop: np.ndarray, reach: float) -> np.ndarray:
+    """(n,) float: degrees by which a loop turns at each point, seen from a share of its length before and after.
+
+    Below zero where it turns against the way that it runs around.
+    """
+    length = arc_length(loop)
+    loop, at = (loop - loop.mean(axis=0)) / length[-1], length[:-1] / length[-1]
+    points, around = np.tile(loop[:-1].T, 3), np.concatenate([at - 1, at, at + 1])
+    before, after = (
+        sign * (np.column_stack([np.interp(at + sign * reach, around, x) for x in points]) - loop[:-1])
+        for sign in (-1, 1)
+    )
+    sine, cosine = np.cross(before, after), (before * after).sum(axis=1)
+    normal = np.cross(loop[:-1], loop[1:]).sum(axis=0)
+    turn = np.degrees(np.arctan2(np.linalg.norm(sine, axis=1), cosine))
+    return np.where(sine @ normal < 0, -turn, turn)
+
+
+def _apart(at: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """(n,) float: distance along a loop of length 1 to the nearest of some other places."""
     if not len(others):
-        return total
-    gap = np.abs(at - others)
-    return float(np.minimum(gap, total - gap).min())
+        return np.ones(len(at))
+    gap = np.abs(at[:, None] - others)
+    return np.minimum(gap, 1 - gap).min(axis=1)

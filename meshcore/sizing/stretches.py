@@ -83,7 +83,7 @@ def stretches_of(mesh: Mesh, corner_angle: float, smooth: bool) -> list[Stretch]
     for k in real[::-1].tolist():
         number[frozenset(lines[k].tolist())] = k  # of lines that repeat, the first
     first = np.array(sorted(number.values()), np.int64)
-    group = _groups(mesh, start + np.arange(len(lines)))
+    group = group_of_lines(mesh)
     fixed = np.zeros(mesh.n_points, bool)
     fixed[mesh.get("vertex").ravel()] = True
     fixed |= np.bincount(lines[first].ravel(), minlength=mesh.n_points) > 2  # branches, where chains end
@@ -130,8 +130,16 @@ def _corners(points: np.ndarray, group: np.ndarray, fixed: np.ndarray, angle: fl
     return np.concatenate([[True], inner | fixed[1:-1], [True]])
 
 
-def _groups(mesh: Mesh, cells: np.ndarray) -> np.ndarray:
-    """(m,) int: the same for cells with the same whole-number data and the same sets."""
+def group_of_lines(mesh: Mesh) -> np.ndarray:
+    """(m,) int: for each "line" cell, the same number where whole-number data and sets are the same.
+
+    Examples
+    --------
+    >>> group_of_lines(Mesh([[0, 0], [1, 0], [2, 0]], {"line": [[0, 1], [1, 2]]}, cell_data={"tag": [7, 5]}))
+    array([1, 0])
+    """
+    start = next((where.start for kind, _, where in mesh.blocks() if kind == "line"), 0)
+    cells = start + np.arange(len(mesh.get("line")))
     columns = [np.isin(cells, members).astype(np.int64) for members in mesh.sets.values()]
     for values in mesh.cell_data.values():
         if values.dtype.kind in "iub":

@@ -26,12 +26,14 @@ from .elliptic_parameters import (
     sides_of,
 )
 from .elliptic_problem import Asked, Equation, solved
+from .one_boundary import FOUND
 from .side_parameters import (
     CellsIParam,
     CellsJParam,
     CornersParam,
     EastPort,
     NorthPort,
+    ShiftCornersParam,
     SouthPort,
     SpacingEastParam,
     SpacingNorthParam,
@@ -71,7 +73,8 @@ def elliptic(
     ] = False,
     residual: ResidualParam = None,
     max_cycles: MaxCyclesParam = MOST_CYCLES,
-    corners: CornersParam = (-1, -1, -1, -1),
+    corners: CornersParam = FOUND,
+    shift_corners: ShiftCornersParam = (0, 0, 0, 0),
     tolerance: ToleranceParam = Relative(1e-6),
     control_functions: Sequence[ControlFunction] | None = None,
     attractors: Sequence[Attractor] = (),
@@ -92,7 +95,8 @@ def elliptic(
     Parameters
     ----------
     south, east, north, west : Mesh or (n, 3) float
-        The sides, in one plane of any attitude, as for `transfinite`. With south alone, a closed loop.
+        The sides, in one plane of any attitude, as for `transfinite`. South alone is a closed loop, or four
+        chains.
     cells_i, cells_j : int, optional
         Cells along i and j. Left out, opposite sides must have as many points as each other.
     spacing_south, spacing_east, spacing_north, spacing_west : Length, optional
@@ -120,8 +124,8 @@ def elliptic(
         of the local spacing from its converged place. Control at walls stops by angle and height instead.
     max_cycles : int
         Multigrid cycles after which to give up.
-    corners : tuple of four int
-        Numbers of the loop's corner points; all -1 picks the sharpest turns.
+    corners, shift_corners : tuple of four int
+        Numbers of the loop's corner points, and how many points along it each is moved, as for `transfinite`.
     tolerance : Length
         Ends of sides that are no farther apart than this are joined.
     control_functions : two of (ni, nj) float or callables, optional
@@ -176,6 +180,7 @@ def elliptic(
         **(at_walls | asked_spacings),
         "blending": "arc length",
         "corners": corners,
+        "shift_corners": shift_corners,
         "tolerance": tolerance,
     }
     try:

@@ -9,7 +9,9 @@ from ..operation import Length, Param, Port
 
 _SIDE = "line cells in one chain, or points in order"
 
-SouthPort = Annotated[Curve, Port(f"South side, or one closed loop in place of all four: {_SIDE}", cells=("line",))]
+SouthPort = Annotated[
+    Curve, Port(f"South side, or all four: one closed loop, or four chains; {_SIDE}", cells=("line",))
+]
 EastPort = Annotated[Curve | None, Port(f"East side: {_SIDE}", cells=("line",))]
 NorthPort = Annotated[Curve | None, Port(f"North side: {_SIDE}", cells=("line",))]
 WestPort = Annotated[Curve | None, Port(f"West side: {_SIDE}", cells=("line",))]
@@ -26,6 +28,17 @@ SpacingNorthParam = Annotated[Length | None, Param("Height of the cells at the n
 SpacingWestParam = Annotated[Length | None, Param("Width of the cells at the west side", group="Spacing")]
 CornersParam = Annotated[
     tuple[int, int, int, int],
-    Param("Points of a closed loop that are its corners; four times -1 finds them", min=-1, advanced=True),
+    Param("Points of a closed loop that are its corners; four times -1 finds them", min=-1, group="Corners"),
+]
+ShiftCornersParam = Annotated[
+    tuple[int, int, int, int],
+    Param(
+        "Points along a closed loop by which each of its corners is moved",
+        min=-1_000_000,
+        max=1_000_000,
+        soft_min=-20,
+        soft_max=20,
+        group="Corners",
+    ),
 ]
 ToleranceParam = Annotated[Length, Param("Largest gap between ends of sides that is closed", min=0, advanced=True)]

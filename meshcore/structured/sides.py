@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import product
 
 import numpy as np
 
 from ..errors import InvalidGeometry, InvalidInput
-from ..geometry.curves import Curve, arc_length, chains, is_closed, polyline, resampled, sharpest_corners
-from ..mesh import Mesh
+from ..geometry.curves import Curve, arc_length, polyline, resampled
 from ..operation import Length, absolute
 from ..sizing import Spacing, copied
 from .limits import check_extent
+from .one_boundary import cut_loop, four_chains
 
 NAMES = ("south", "east", "north", "west")
 
@@ -32,6 +32,8 @@ class Sides:
         How far apart ends may be that are joined.
     loop : bool
         Whether the sides were cut from a loop, so that nobody can know how many points each has.
+    named : bool
+        Whether the user named the sides, and wants to know what was turned.
     warnings : list of str
         What was turned.
     """
@@ -40,6 +42,7 @@ class Sides:
     names: dict[str, str]
     gap: float
     loop: bool = False
+    named: bool = True
     warnings: list[str] = field(default_factory=list)
 
     @property
@@ -53,14 +56,25 @@ class Sides:
         return self.names["west"] != "west"
 
     @classmethod
-    def read(cls, given: Mapping[str, Curve | None], corners: tuple[int, ...], tolerance: Length) -> Sides:
-        """The sides as the user gave them: all four, or one closed loop as south."""
+    def read(
+        cls,
+        given: Mapping[str, Curve | None],
+        corners: tuple[int, ...],
+        tolerance: Length,
+        shift_corners: tuple[int, ...] = (0, 0, 0, 0),
+    ) -> Sides:
+        """The sides as the user gave them: all four, or as south alone one closed loop, or four chains."""
+        named = True
         missing = [name for name, side in given.items() if side is None]
         names = dict(zip(NAMES, NAMES, strict=True))
         if missing == ["east", "north", "west"]:
-            lines = _cut(given["south"], corners)
-            extent = check_extent(np.concatenate(list(lines.values())), parameter="south")
-            return cls(lines, names, absolute(tolerance, extent), loop=True)._right_handed()
+            apart = four_chains(given["south"])
+            if apart is None:
+                lines = dict(zip(NAMES, cut_loop(given["south"], corners, shift_corners), strict=True))
+                extent = check_extent(np.concatenate(list(lines.values())), parameter="south")
+                return cls(lines, names, absolute(tolerance, extent), loop=True, named=False)._right_handed()
+            given, missing = dict(zip(NAMES, apart, strict=True)), []
+            named = False
         if missing:
             raise InvalidInput("is missing; give all four sides, or one closed loop as south", parameter=missing[0])
         read = {name: polyline(side, name) for name, side in given.items()}
@@ -69,8 +83,8 @@ class Sides:
         extent = check_extent(np.concatenate(list(read.values())), parameter="south")
         gap = absolute(tolerance, extent)
         lines, reversed_ = _joined(read, gap)
-        warnings = [f"{name} ran the other way and was reversed" for name in reversed_]
-        return cls(lines, names, gap, warnings=warnings)._right_handed()
+        warnings = [f"{name} ran the other way and was reversed" for name in reversed_ if named]
+        return cls(lines, names, gap, named=named, warnings=warnings)._right_handed()
 
     def _right_handed(self) -> Sides:
         """The same; in a plane of constant z, with i reversed if the sides run clockwise."""
@@ -81,8 +95,8 @@ class Sides:
             return self
         lines = dict(zip(NAMES, (south[::-1], west, north[::-1], east), strict=True))
         names = dict(zip(NAMES, ("south", "west", "north", "east"), strict=True))
-        warnings = [] if self.loop else ["the sides run clockwise: i was reversed, and runs from east to west"]
-        return Sides(lines, names, self.gap, self.loop, self.warnings + warnings)
+        warnings = ["the sides run clockwise: i was reversed, and runs from east to west"] if self.named else []
+        return replace(self, lines=lines, names=names, warnings=self.warnings + warnings)
 
     def refuse_repeats(self) -> None:
         """Raise `InvalidGeometry` if neighbouring points of a side coincide."""
@@ -102,7 +116,7 @@ class Sides:
             place: line if fractions[place] is None else resampled(line, fractions[place])
             for place, line in self.lines.items()
         }
-        return Sides(lines, self.names, self.gap, self.loop, self.warnings)
+        return replace(self, lines=lines)
 
 
 def fractions_of(side: np.ndarray) -> np.ndarray:
@@ -205,27 +219,6 @@ class Asked:
 def _distinct(line: np.ndarray) -> np.ndarray:
     """A polyline without points that repeat the one before."""
     return line[np.append(True, (line[1:] != line[:-1]).any(axis=1))]
-
-
-def _cut(curve: Curve, corners: tuple[int, ...]) -> dict[str, np.ndarray]:
-    """Cut a closed loop at four corners into south, east, north, west."""
-    loop = polyline(curve, "south")
-    n = len(loop) - 1
-    # Points are numbered as the user numbers them: in a mesh, not in the order of the chain.
-    number = chains(curve)[0] if isinstance(curve, Mesh) and len(curve.get("line")) else np.arange(n + 1)
-    if not is_closed(loop):
-        raise InvalidGeometry(
-            "is open; close the loop, or give all four sides", parameter="south", points=number[[0, -1]]
-        )
-    if set(corners) == {-1}:
-        at = sharpest_corners(loop)
-    else:
-        at = np.flatnonzero(np.isin(number[:-1], corners))
-    if len(at) != 4:
-        raise InvalidInput(f"needs four different points of the loop, got {tuple(corners)}", parameter="corners")
-    stops = np.append(at[1:], at[0] + n)
-    south, east, north, west = (loop[np.arange(a, b + 1) % n] for a, b in zip(at, stops, strict=True))
-    return dict(zip(NAMES, (south, east, north[::-1], west[::-1]), strict=True))
 
 
 def _joined(lines: dict[str, np.ndarray], gap: float) -> tuple[dict[str, np.ndarray], list[str]]:

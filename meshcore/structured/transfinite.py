@@ -20,6 +20,7 @@ from .blending import Blending, Patch, interpolated
 from .folds import folded_cells, refuse_folds
 from .interior_lines import fitted_lines, fitted_sides, read_lines
 from .limits import check_size
+from .one_boundary import FOUND
 from .overspill import Cure, cured
 from .side_parameters import (
     CellsIParam,
@@ -27,6 +28,7 @@ from .side_parameters import (
     CornersParam,
     EastPort,
     NorthPort,
+    ShiftCornersParam,
     SouthPort,
     SpacingEastParam,
     SpacingNorthParam,
@@ -82,7 +84,8 @@ def transfinite(
         Param("By the sides' lengths, by counts of cells, or smooth and at right angles with the sides"),
     ] = "arc length",
     cure: Annotated[Cure, Param("What may be done about folded cells (overspill)")] = "none",
-    corners: CornersParam = (-1, -1, -1, -1),
+    corners: CornersParam = FOUND,
+    shift_corners: ShiftCornersParam = (0, 0, 0, 0),
     tolerance: ToleranceParam = Relative(1e-6),
     spacings: Mapping[str, Spacing] | None = None,
     slopes: Mapping[str, np.ndarray] | None = None,
@@ -106,8 +109,8 @@ def transfinite(
     Parameters
     ----------
     south, east, north, west : Mesh or (n, 3) float
-        The sides, planar or in space, in any direction: they are turned so that they meet as drawn. With south
-        alone, it must be a closed loop, which is cut at its corners.
+        The sides, planar or in space, in any direction: they are turned so that they meet as drawn. South alone is
+        a closed loop, which is cut at its corners, or a mesh of four chains in any order, of which the first is south.
     lines : Mesh or sequence of Mesh or (n, 3) float, optional
         Coordinate lines inside, in any order and number, each from a side to the opposite one; those of different
         directions must cross. A mesh has one line a chain. They are resampled unless they have as many points as
@@ -129,7 +132,10 @@ def transfinite(
         What may be done where the grid folds: move the points along the sides, add lines inside, smooth it by the
         Laplace equations (in a plane, and without lines or slopes given), or all in turn. The report tells what.
     corners : tuple of four int
-        Numbers of the loop's corner points, in any order; all -1 picks the sharpest turns.
+        Numbers of the loop's corner points, in any order; all -1 picks those that the mesh marks by "vertex" cells or
+        by whole-number data of its lines, such as tags, that change there; without four marks, the sharpest turns.
+    shift_corners : tuple of four int
+        How many points along the loop each corner is moved, in the order in which they come along it.
     tolerance : Length
         Ends of sides that are no farther apart than this are joined; lines may miss sides and each other by it.
     spacings : dict of str to Spacing, optional
@@ -175,7 +181,7 @@ def transfinite(
     """
     given = {"south": south, "east": east, "north": north, "west": west}
     ends = {"south": spacing_south, "east": spacing_east, "north": spacing_north, "west": spacing_west}
-    sides = Sides.read(given, corners, tolerance)
+    sides = Sides.read(given, corners, tolerance, shift_corners)
     asked = Asked(cells_i, cells_j, law_i, law_j, ends, _named(spacings, "spacings"))
     n_i, n_j = (cells + 1 for cells in asked.cells(sides))
     check_size(n_i, n_j, parameter="cells_i" if n_i > n_j else "cells_j")

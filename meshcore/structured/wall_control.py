@@ -269,7 +269,7 @@ def controlled(
         r = finest.points_without_ghosts
         found = [measured(r, control.wall.side, levels.sign, finest.cyclic) for control in controls]
         angle, height = np.max([c.excess(f) for c, f in zip(controls, found, strict=True)], axis=0)
-        converged = angle < angle_within and height < height_within and residuals[-1] < RESIDUAL_WITHIN * unit
+        converged = bool(angle < angle_within and height < height_within and residuals[-1] < RESIDUAL_WITHIN * unit)
         if converged:
             break
         worst.append(angle / angle_within + height / height_within)

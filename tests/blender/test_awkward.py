@@ -108,7 +108,7 @@ def test_sides_that_do_not_meet(installed):
 def test_two_loops_for_one(installed):
     points = np.concatenate([SQUARE, np.array(SQUARE) + 3])
     scene.add_mesh("two loops", points, LOOP + [(a + 4, b + 4) for a, b in LOOP])
-    refused("one chain")
+    refused("one closed loop")
 
 
 @pytest.mark.parametrize("bad", [float("nan"), float("inf")])

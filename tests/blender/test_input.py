@@ -197,3 +197,108 @@ def test_all_selected_objects_make_one_boundary(installed):
     assert len(mesh.get("line")) == 8
     assert mesh.cell_data["tag"].tolist() == [1] * 4 + [2] * 4
     np.testing.assert_allclose(mesh.points[4:], scene.world_points(inner))
+
+
+# ---- four sides in one object, and corners of a loop
+
+
+def straight(a, b, n=6):
+    return np.linspace(a, b, n + 1)
+
+
+SIDES = [straight(*ends) for ends in itertools.pairwise([*map(np.array, SQUARE), np.array(SQUARE[0])])]
+
+
+def grid_corners(ob):
+    """Places of the vertices that two named sides share."""
+    group = {g.index: g.name for g in ob.vertex_groups}
+    points = scene.world_points(ob)
+    return {
+        frozenset(names): tuple(np.round(points[v.index], 4) + 0.0)
+        for v in ob.data.vertices
+        if len(names := [group[g.group] for g in v.groups]) == 2
+    }
+
+
+def test_four_chains_of_edges_in_one_mesh(installed):
+    points = np.concatenate(SIDES)
+    scene.add_mesh("chains", points, [(k, k + 1) for k in range(27) if k % 7 != 6])
+    assert bpy.ops.meshcore.elliptic() == {"FINISHED"}
+    assert len(scene.active().data.polygons) == 36
+
+
+def test_four_splines_in_one_curve(installed):
+    data = bpy.data.curves.new("four", "CURVE")
+    data.dimensions = "3D"
+    for points in SIDES:
+        spline = data.splines.new("POLY")
+        spline.points.add(len(points) - 1)
+        for point, co in zip(spline.points, points, strict=True):
+            point.co = (*co, 1)
+    scene.link(bpy.data.objects.new("four", data))
+    assert bpy.ops.meshcore.transfinite() == {"FINISHED"}
+    assert len(scene.active().data.polygons) == 36
+
+
+def test_four_selected_chains_of_a_mesh(installed):
+    """Rows and columns of a grid selected in Edit Mode, as far as they bound a block."""
+    ob = grid_ring(6)
+    ends = np.array([edge.vertices[:] for edge in ob.data.edges])
+    middle = np.array([v.co for v in ob.data.vertices])[ends].mean(axis=1)[:, :2]
+    inside = ((middle >= 1) & (middle <= 4)).all(axis=1) & ((middle == 1) | (middle == 4)).any(axis=1)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    for number in np.flatnonzero(inside):
+        ob.data.edges[int(number)].select = True
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert bpy.ops.meshcore.elliptic() == {"FINISHED"}
+    made = scene.active()
+    assert len(made.data.polygons) == 9
+    assert set(grid_corners(made).values()) == {(1, 1, 0), (4, 1, 0), (4, 4, 0), (1, 4, 0)}
+
+
+def select_vertices(ob, numbers):
+    """Edit Mode, with these vertices selected and nothing else."""
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    for number in numbers:
+        ob.data.vertices[number].select = True
+    bpy.ops.object.mode_set(mode="EDIT")
+
+
+@pytest.mark.parametrize("operation", ["elliptic", "transfinite"])
+def test_four_selected_vertices_are_the_corners(installed, operation):
+    bpy.ops.mesh.primitive_circle_add(vertices=32)
+    circle = bpy.context.active_object
+    chosen = (1, 9, 17, 27)
+    select_vertices(circle, chosen)
+    wanted = {tuple(np.round(scene.world_points(circle)[k], 4) + 0.0) for k in chosen}
+    assert scene.operator(operation)(cells_i=8, cells_j=8) == {"FINISHED"}
+    assert set(grid_corners(scene.active()).values()) == wanted
+
+
+def test_corners_of_a_loop_are_moved_in_the_redo_panel(installed):
+    bpy.ops.mesh.primitive_circle_add(vertices=32)
+    circle = bpy.context.active_object
+    number = {tuple(np.round(p, 4) + 0.0): k for k, p in enumerate(scene.world_points(circle))}
+
+    def corners(**keywords):
+        scene.activate(circle)
+        assert bpy.ops.meshcore.elliptic(cells_i=8, cells_j=8, **keywords) == {"FINISHED"}
+        return {number[at] for at in grid_corners(scene.active()).values()}
+
+    found, moved = corners(), corners(shift_corners=(0, 1, 0, -3))
+    assert np.diff(sorted(found)).tolist() == [8, 8, 8]
+    assert len(found & moved) == 2
+    assert sorted(abs(a - b) for a, b in zip(sorted(found - moved), sorted(moved - found), strict=True)) == [1, 3]
+
+
+def test_named_sides_are_vertex_groups(installed):
+    scene.activate(*[scene.add_mesh(f"side {k}", p, [(i, i + 1) for i in range(6)]) for k, p in enumerate(SIDES)])
+    assert bpy.ops.meshcore.elliptic(walls="south", first_height=0.02) == {"FINISHED"}
+    made = scene.active()
+    assert {g.name for g in made.vertex_groups} == {"south", "east", "north", "west"}
+    assert len(grid_corners(made)) == 4
+    assert not made.data["meshcore_report"]["converged"]  # no grid has that height between sides of equal cells

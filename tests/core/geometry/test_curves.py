@@ -101,3 +101,36 @@ def test_open_or_tiny_loops_have_no_four_corners():
         curves.sharpest_corners(np.eye(3))
     with pytest.raises(InvalidInput, match="at least 4 points, got 3"):
         curves.sharpest_corners(np.concatenate([np.eye(3), np.eye(3)[:1]]))
+
+
+@pytest.mark.parametrize("n", [8, 12, 24, 32, 36, 400])
+def test_polygons_of_equal_sides_get_corners_evenly_whatever_rounding_says(n):
+    for angle in np.random.default_rng(n).random(5):
+        turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+        ring = gallery.circle(n).points @ turn.T
+        found = curves.sharpest_corners(np.concatenate([ring, ring[:1]]))
+        assert np.diff(found, append=found[0] + n).tolist() == [n // 4] * 4
+
+
+@pytest.mark.parametrize("per_corner", [2, 3, 5, 12])
+def test_a_rounded_corner_counts_as_one(per_corner):
+    angle = np.linspace(0, np.pi / 2, per_corner)
+    arcs = [
+        0.2 * np.column_stack([np.cos(angle + turn), np.sin(angle + turn), 0 * angle]) + middle
+        for turn, middle in zip(
+            np.arange(4) * np.pi / 2, [(0.8, 1.8, 0), (-0.8, 1.8, 0), (-0.8, -1.8, 0), (0.8, -1.8, 0)], strict=True
+        )
+    ]
+    ring = np.concatenate(arcs)
+    found = curves.sharpest_corners(np.concatenate([ring, ring[:1]]))
+    assert (found // per_corner).tolist() == [0, 1, 2, 3]
+    if per_corner % 2:
+        assert (found % per_corner).tolist() == [per_corner // 2] * 4  # its middle
+
+
+def test_corners_that_point_inwards_do_not_count():
+    ring = np.array([[0, 0, 0], [4, 0, 0], [4, 1, 0], [1, 1, 0], [0.5, 3, 0], [0, 3, 0]], float)  # 3 points inwards
+    for way in (1, -1):
+        loop = np.concatenate([ring, ring[:1]])[::way]
+        corners = loop[curves.sharpest_corners(loop)]
+        assert [1, 1, 0] not in corners.tolist()

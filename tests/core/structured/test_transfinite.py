@@ -249,7 +249,7 @@ UNIT = (side((0, 0), (1, 0)), side((1, 0), (1, 1)), side((0, 1), (1, 1)), side((
         (tuple(s * 1e-200 for s in UNIT), {}, InvalidGeometry, "has an extent of 1e-200; scale it"),
         ((gallery.square(4),), {"corners": (0, 1, 2, 99)}, InvalidInput, "corners"),
         ((gallery.square(4),), {"corners": (0, 0, 4, 8)}, InvalidInput, "corners"),
-        ((gallery.joined(gallery.square(), gallery.circle(8)),), {}, InvalidGeometry, "one chain"),
+        ((gallery.joined(gallery.square(), gallery.circle(8)),), {}, InvalidGeometry, "one closed loop or four chains"),
         (  # a bow tie: south and north cross
             (side((0, 0), (1, 1)), side((1, 1), (1, 0)), side((0, 1), (1, 0)), side((0, 0), (0, 1))),
             {"cells_i": 6, "cells_j": 6},

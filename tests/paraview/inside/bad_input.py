@@ -76,7 +76,7 @@ def check_not_a_number_in_points():
 def check_several_pieces():
     other = [(x + 5, y, z) for x, y, z in SQUARE]
     text = complaint(transfinite(polylines(SQUARE, other)))
-    assert "south: needs one chain of line cells, got 2" in text, text
+    assert "south: needs one closed loop or four chains of line cells, got 2" in text, text
     assert "[at (" in text, text  # says where
 
 
