@@ -21,6 +21,8 @@ from . import _multigrid_kernels as kernels
 from .transfer import NUMBERS_A_THREAD, Transfer
 
 COARSEST_SWEEPS = 12
+SHORTER, SHORTENINGS = 0.4, 4
+"""A coarse correction that folds cells is shortened to this share, so often, before it is left out."""
 DEPTH = 3
 """Earlier cycles that Anderson's acceleration looks back on."""
 GROWTH = 2.0
@@ -79,7 +81,7 @@ class Outcome:
     error : float
         Estimated distance from the converged grid, in local spacings.
     guarded : int
-        Coarse corrections that were shortened because they folded cells.
+        How often coarse corrections were shortened or left out because they folded cells.
     """
 
     residuals: list[float] = field(default_factory=list)
@@ -114,15 +116,37 @@ def cycle(levels: list[Level], k: int, outcome: Outcome, step: float = 1.0) -> N
 
 
 def _correct(level: Level, correction: np.ndarray, outcome: Outcome, step: float = 1.0) -> None:
-    """Add the coarse correction, less of it if it folds further cells."""
-    before = level.folded()
-    level.transfer.add(correction, step, level.x)
-    for _ in range(4):
-        if level.folded() <= before:
-            return
-        outcome.guarded += 1
-        level.transfer.add(correction, -0.6 * step, level.x)
-        step *= 0.4
+    """Add the coarse correction, guarded."""
+    if np.isfinite(correction).all():
+        outcome.guarded += guarded(lambda part: level.transfer.add(correction, part, level.x), level.folded, step)
+
+
+def guarded(add: Callable[[float], None], folded: Callable[[], int], step: float) -> int:
+    """Add ``step`` of a coarse correction, less of it, or none, if it folds further cells; how often it was cut.
+
+    The discrete equations have folded solutions, too, and coarse grids more of them.
+
+    Examples
+    --------
+    >>> x = [0.0]
+    >>> def add(part):
+    ...     x[0] += part
+    >>> guarded(add, lambda: int(x[0] > 0.5), 1.0), round(x[0], 3)
+    (1, 0.4)
+    >>> guarded(add, lambda: int(x[0] > 0.4), 1.0), round(x[0], 3)
+    (5, 0.4)
+    """
+    before = folded()
+    add(step)
+    for number in range(SHORTENINGS):
+        if folded() <= before:
+            return number
+        add((SHORTER - 1) * step)
+        step *= SHORTER
+    if folded() <= before:
+        return SHORTENINGS
+    add(-step)
+    return SHORTENINGS + 1
 
 
 def full_multigrid(levels: list[Level], first: int, outcome: Outcome) -> None:

@@ -8,21 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
 from ..threads import Workers
 from . import _winslow_kernels as kernels
 from . import _winslow_transfer_kernels as transfer
+from .multigrid import guarded
 
 FEWEST_CELLS = (8, 8)
 """Cells along i and j below which a direction is not coarsened: a ten-chord annulus collapses on fewer."""
 POINTS_A_THREAD = 60_000
 """With fewer points to work on, a further thread does not pay."""
 _SWEEPS_AT_THE_BOTTOM = 8
-# A coarse correction that folds cells is shortened to this share, so often.
-_SHORTER, _SHORTENINGS = 0.4, 4
 
 
 @dataclass(frozen=True)
@@ -296,18 +295,10 @@ class Levels:
         level.wrap()
 
     def _correct_guarded(self, number: int, step: float) -> None:
-        """The same, shortened or left out where it folds more cells: the discrete equations have folded solutions."""
+        """The same, shortened or left out where it folds more cells."""
         level, before = self.levels[number], self._before[number]
-        folds, uncorrected = level.folds(self.sign), level.d  # the defect is needed no more
-        uncorrected[:] = level.r
-        self.correct(number, before, step)
-        for _ in range(_SHORTENINGS):
-            if level.folds(self.sign) <= folds:
-                return
-            self.correct(number, before, (_SHORTER - 1) * step)
-            step *= _SHORTER
-        if not level.folds(self.sign) <= folds:
-            level.r[:] = uncorrected
+        if np.isfinite(self.levels[number + 1].r).all():
+            guarded(partial(self.correct, number, before), lambda: level.folds(self.sign), step)
 
     def _average(self, number: int, fine: np.ndarray, coarse: np.ndarray, scale: float) -> None:
         along_i, along_j = self.tables[number]

@@ -7,7 +7,7 @@ import pytest
 
 from meshcore import StructuredGrid, quality
 from meshcore.structured import _winslow_3d_kernels as kernels
-from meshcore.structured.multigrid import Anderson, Level, solve
+from meshcore.structured.multigrid import Anderson, Level, Outcome, cycle, solve
 from meshcore.structured.transfer import Line, Transfer, coarsened, coarser
 from meshcore.structured.winslow_3d import count_folded
 from meshcore.threads import Workers
@@ -129,3 +129,38 @@ def test_moves_are_measured_in_local_spacings():
     spacing = np.min([np.linalg.norm(np.gradient(points, axis=d), axis=0) for d in (1, 2, 3)], axis=0)
     ratio = np.linalg.norm(points - before, axis=0) / spacing
     np.testing.assert_allclose(moves[1:-1], ratio[1:-1, 1:-1, 1:-1].max(axis=(1, 2)), rtol=1e-12)
+
+
+class Halved(Linear):
+    """The same with a coarser level; cells are folded as soon as any number is off by more than ``room``."""
+
+    def __init__(self, n, workers, room):
+        super().__init__(n)
+        self.room, self.origin = room, self.x.copy()
+        self.transfer = Transfer((Line(n - 1, n // 2),), workers)
+
+    def smooth(self, *, back):
+        pass
+
+    def folded(self):
+        return int((abs(self.x - self.origin) > self.room).sum())
+
+
+@pytest.mark.parametrize(("room", "share", "cuts"), [(9.0, 1.0, 0), (0.05, 0.4**3, 3), (1e-3, 0.0, 5), (-1.0, 1.0, 0)])
+def test_coarse_corrections_are_shortened_and_left_out_where_they_fold_cells_however_short(room, share, cuts):
+    with Workers(1) as workers:
+        fine, coarse = Halved(17, workers, room), Linear(9)
+        outcome = Outcome()
+        cycle([fine, coarse], 0, outcome)
+    expected = share * np.interp(np.arange(17) / 2, np.arange(9), coarse.x[0] - fine.origin[0, ::2])
+    np.testing.assert_allclose(fine.x[0] - fine.origin[0], expected, atol=1e-14)
+    assert outcome.guarded == cuts
+    assert abs(coarse.x - 1).max() > 0.2
+
+
+def test_coarse_corrections_without_a_value_are_left_out():
+    with Workers(1) as workers:
+        fine, coarse = Halved(17, workers, 9.0), Linear(9)
+        coarse.rates = np.full(9, np.nan)
+        cycle([fine, coarse], 0, Outcome())
+    assert (fine.x == fine.origin).all()
