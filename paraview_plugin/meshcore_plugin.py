@@ -1040,9 +1040,26 @@ class meshcoreEllipticGrid(Operation):
       (Laplace).</Documentation>
     </IntVectorProperty>
     <IntVectorProperty name="Faces" label="Faces" command="SetFaces" number_of_elements="1" default_values="0" panel_visibility="default">
-      <EnumerationDomain name="enum"><Entry value="0" text="kept"/><Entry value="1" text="smoothed"/></EnumerationDomain>
-      <Documentation>Whether the points of the six faces stay, or are first smoothed on the surfaces through
-      them.</Documentation>
+      <EnumerationDomain name="enum"><Entry value="0" text="kept"/><Entry value="1" text="smoothed"/><Entry value="2" text="respaced"/></EnumerationDomain>
+      <Documentation>Points of the six faces: kept, smoothed on their surfaces, or respaced to begin with the first
+      heights.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="Walls" label="Walls" command="SetWalls" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="none"/><Entry value="1" text="imin"/><Entry value="2" text="imax"/><Entry value="3" text="jmin"/><Entry value="4" text="jmax"/><Entry value="5" text="kmin"/><Entry value="6" text="kmax"/><Entry value="7" text="imin and imax"/><Entry value="8" text="jmin and jmax"/><Entry value="9" text="kmin and kmax"/><Entry value="10" text="i and j"/><Entry value="11" text="i and k"/><Entry value="12" text="j and k"/><Entry value="13" text="all"/></EnumerationDomain>
+      <Documentation>Faces where the angle of lines and the first height are controlled; i stands for imin and
+      imax.</Documentation>
+    </IntVectorProperty>
+    <DoubleVectorProperty name="FirstHeight" label="First Height" command="SetFirstHeight" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Length of the first edge at walls; by default what it becomes; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="WallAngle" label="Wall Angle" command="SetWallAngle" number_of_elements="1" default_values="90.0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="10" max="170"/>
+      <Documentation>Angle between walls and the lines that leave them, in degrees.</Documentation>
+    </DoubleVectorProperty>
+    <IntVectorProperty name="LeanAtEdges" label="Lean At Edges" command="SetLeanAtEdges" number_of_elements="1" default_values="0" panel_visibility="default">
+      <BooleanDomain name="bool"/>
+      <Documentation>Whether lines lean near the edges of walls as those on the faces beside them do.</Documentation>
     </IntVectorProperty>
     <DoubleVectorProperty name="Residual" label="Residual" command="SetResidual" number_of_elements="1" default_values="0" panel_visibility="advanced">
       <DoubleRangeDomain name="range" min="0" max="1"/>
@@ -1056,6 +1073,12 @@ class meshcoreEllipticGrid(Operation):
     <PropertyGroup label="Parameters">
       <Property name="Control"/>
       <Property name="Faces"/>
+      <Property name="Walls"/>
+    </PropertyGroup>
+    <PropertyGroup label="Walls">
+      <Property name="FirstHeight"/>
+      <Property name="WallAngle"/>
+      <Property name="LeanAtEdges"/>
     </PropertyGroup>
     <PropertyGroup label="Advanced">
       <Property name="Residual"/>
@@ -1073,7 +1096,19 @@ class meshcoreEllipticVolume(Operation):
         self.set("control", ('none', 'boundary spacing')[value])
 
     def SetFaces(self, value):
-        self.set("faces", ('kept', 'smoothed')[value])
+        self.set("faces", ('kept', 'smoothed', 'respaced')[value])
+
+    def SetWalls(self, value):
+        self.set("walls", ('none', 'imin', 'imax', 'jmin', 'jmax', 'kmin', 'kmax', 'imin and imax', 'jmin and jmax', 'kmin and kmax', 'i and j', 'i and k', 'j and k', 'all')[value])
+
+    def SetFirstHeight(self, value):
+        self.set("first_height", value or None)
+
+    def SetWallAngle(self, value):
+        self.set("wall_angle", value)
+
+    def SetLeanAtEdges(self, value):
+        self.set("lean_at_edges", bool(value))
 
     def SetResidual(self, value):
         self.set("residual", value or None)

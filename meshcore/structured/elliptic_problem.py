@@ -133,6 +133,8 @@ def solved(start: StructuredGrid, asked: Asked, progress: Progress = silent) -> 
         raise InvalidGeometry("is left-handed: its cells run clockwise; reverse its i", parameter="grid")
     transposed = start.periodic[1]
     cuts = cuts_of(start, asked.periodic)
+    if faces := [wall.side for wall in asked.walls if wall.side not in SIDES]:
+        raise InvalidInput(f"{faces[0]} is a face of blocks; sides are {', '.join(SIDES)}", parameter="walls")
     if absent := [wall.side for wall in asked.walls if wall.side in cuts]:
         raise InvalidInput(f"{absent[0]} is where the periodic grid is cut, not a wall", parameter="walls")
     sliding = [wall.side for wall in asked.walls if wall.slides]
@@ -246,10 +248,7 @@ def _once(points: np.ndarray, growth: np.ndarray | None, cyclic: bool, asked: As
 
 def _with_walls(points: np.ndarray, growth: np.ndarray | None, cyclic: bool, asked: Asked, progress: Progress) -> Found:
     frame = Frame.of(points)
-    walls = [
-        wall if wall.first_height is None else replace(wall, first_height=np.asarray(wall.first_height) / frame.size)
-        for wall in asked.walls
-    ]
+    walls = [wall.scaled(1 / frame.size) for wall in asked.walls]
     if growth is None:
         growth = np.zeros((2, *points.shape[:2]))
     with Workers(asked.threads or available_threads()) as workers:
@@ -257,15 +256,4 @@ def _with_walls(points: np.ndarray, growth: np.ndarray | None, cyclic: bool, ask
         went = controlled(levels, walls, growth, progress=progress)
         free = [*(CUT if cyclic else ()), *(wall.side for wall in walls if wall.slides)]
         grid = frame.outside(levels.levels[0].points_without_ghosts, points, free)
-    quality = {
-        "error of wall angles (degree)": float(went.angle),
-        "error of first heights (%)": 100 * float(went.height),
-    }
-    warnings = []
-    if not went.converged:
-        warnings.append(
-            f"walls not controlled after {len(went.history) - 2} steps: angles are off by up to {went.angle:.3g} "
-            f"degrees, heights by up to {went.height:.1%}; space the sides that end at walls by the first height, "
-            "take more cells, or ask for less"
-        )
-    return Found(grid, went.history, went.converged, warnings, quality)
+    return Found(grid, went.history, went.converged, went.warnings, went.quality)

@@ -16,15 +16,27 @@ from ..quality import measure, summary, validate
 from ..report import Report, Result
 from ..threads import checked_threads
 from . import winslow_3d, winslow_surface
+from .block_problem import AskedOfBlock, solved
 from .control_functions import ControlFunction, from_boundary, from_user
-from .elliptic_parameters import MaxCyclesParam, ResidualParam
+from .elliptic_parameters import (
+    FaceWallsParam,
+    FirstHeightParam,
+    LeanAtEdgesParam,
+    MaxCyclesParam,
+    ResidualParam,
+    WallAngleParam,
+    asked_faces,
+)
 from .limits import check_size
 from .quad_nets import cage_of
 from .transfinite_volume import interpolated_volume
+from .wall_control import Wall
+from .wall_faces import mismatch, respaced
 
 Control = Literal["none", "boundary spacing"]
 _HALVINGS = 3  # of control functions that fold the grid
-_FACES = {"kept": 0.01, "smoothed": 0.2}  # and what part of the time they take
+_MISMATCH = 1.5  # between first heights at walls and on the faces around them, from which it is told
+_FACES = {"kept": 0.01, "smoothed": 0.2, "respaced": 0.02}  # and what part of the time they take
 
 
 @operation("Elliptic Volume", category="Structured", output="grid")
@@ -38,11 +50,16 @@ def elliptic_volume(
         Control, Param("Whether the boundary's spacing is carried inside, or lines spread evenly (Laplace)")
     ] = "boundary spacing",
     faces: Annotated[
-        Literal["kept", "smoothed"],
-        Param("Whether the points of the six faces stay, or are first smoothed on the surfaces through them"),
+        Literal["kept", "smoothed", "respaced"],
+        Param("Points of the six faces: kept, smoothed on their surfaces, or respaced to begin with the first heights"),
     ] = "kept",
+    walls: FaceWallsParam = "none",
+    first_height: FirstHeightParam = None,
+    wall_angle: WallAngleParam = 90.0,
+    lean_at_edges: LeanAtEdgesParam = False,
     residual: ResidualParam = None,
     max_cycles: MaxCyclesParam = 60,
+    each_wall: Sequence[Wall] = (),
     control_functions: Sequence[ControlFunction] | None = None,
     threads: int | None = None,
     progress: Progress = silent,
@@ -62,12 +79,29 @@ def elliptic_volume(
         "boundary spacing" carries the spacing on the faces inside, as cells along walls need. Where that would fold
         cells it is weakened, and the report says so.
     faces : {"kept", "smoothed"}
-        "smoothed" first makes elliptic grids on the bicubic surfaces through the faces' points; edges stay.
+        "smoothed" first makes elliptic grids on the bicubic surfaces through the faces' points; edges stay. "respaced"
+        moves points on the faces around walls, and on edges, along their lines, so that these begin with the first
+        height that the wall asks.
+    walls : {"none", "imin", ..., "kmax", "imin and imax", ..., "i and j", "i and k", "j and k", "all"}
+        Faces at which control functions are found, while the grid is solved, so that lines leave the wall at an angle
+        and the first cells have a height (Steger and Sorenson); "i and j" are the four faces across i and j. On the
+        faces around a wall cells should begin with about that height, too: see ``faces``.
+    first_height : Length, optional
+        Length of the first edge at walls.
+    wall_angle : float
+        Degrees between the wall and the lines that leave it; other than 90, they lean in its first direction: that in
+        which i grows, or j on faces across i.
+    lean_at_edges : bool
+        Whether lines near the edges of a wall lean as those on the faces beside it do, as far as about a quarter of
+        the wall's width; otherwise they are to turn within three cells, which they cannot where faces meet at acute
+        angles.
     residual : float, optional
         Residual to reach in units of the start's. Left out, cycles go on until each node is within about a thousandth
-        of the local spacing from its converged place.
+        of the local spacing from its converged place. Control at walls stops by angle and height instead.
     max_cycles : int
         Multigrid cycles after which to give up; the report says so.
+    each_wall : sequence of Wall
+        Walls one by one, each with heights and angles of its own, in place of ``walls``.
     control_functions : P, Q and R, optional
         More control functions: each a number, an (ni, nj, nk) array, or a function of arrays of the indices i, j, k,
         between -2 and 2. They act as in ``g^11 (r_ii + P r_i)``, with the indices as coordinates.
@@ -79,7 +113,8 @@ def elliptic_volume(
     Returns
     -------
     Result
-        `StructuredGrid` of (ni, nj, nk) points, right-handed, and the report.
+        `StructuredGrid` of (ni, nj, nk) points, right-handed, and the report. A left-handed block is reversed along i,
+        as `warnings` tell; faces are those of the result.
 
     Raises
     ------
@@ -88,9 +123,15 @@ def elliptic_volume(
     GenerationFailed
         If cells are folded, as at corners of the boundary beyond 180 degrees; `cells` are these, `partial` the grid.
 
+    Notes
+    -----
+    Angles and heights at walls are not judged at three nodes and two first heights beside the edges of a face, nor at
+    two first heights beside its creases: lines must turn there to those of the next face, which stay as they are.
+
     References
     ----------
     Survey, section 2.6. J. F. Thompson, Z. U. A. Warsi, C. W. Mastin, "Numerical Grid Generation" (1985).
+    J. L. Steger, R. L. Sorenson, J. Comput. Phys. 33 (1979).
 
     Examples
     --------
@@ -100,53 +141,58 @@ def elliptic_volume(
     >>> grid, report.converged
     (StructuredGrid(9 x 9 x 9 points), True)
     """
-    checked_threads(threads)
-    grid = _as_block(block)
+    start, warnings = _as_block(block)
+    if each_wall and walls != "none":
+        raise InvalidInput("is given beside walls; give only one of them", parameter="each_wall")
+    asked = AskedOfBlock(
+        walls=asked_faces(walls, first_height, wall_angle, lean_at_edges=lean_at_edges, diagonal=start.diagonal)
+        or each_wall,
+        residual=residual,
+        most_cycles=max_cycles,
+        threads=checked_threads(threads),
+    )
+    asked.check(start.points)
     advance(progress, 0.01, "smoothing")
     part = _FACES[faces]
-    points = grid.points
+    points = start.points
     if faces == "smoothed":
         points = _with_smooth_faces(points, control, max_cycles, part_of(progress, 0.01, part))
+    if faces == "respaced":
+        points = _filled(respaced(points, asked.walls))
     filled = _filled(points)
     growth = _growth(filled, control, control_functions)
-    warnings = []
     # If cells are folded, another start may lead to another solution; and weaker control folds less.
     tries = [(points, 1.0), (filled, 1.0)] + [(filled, 0.5**k) for k in range(1, _HALVINGS + 1) if growth is not None]
-    for number, (start, strength) in enumerate(tries):
+    for number, (inside, strength) in enumerate(tries):
         span = [1 - (1 - part) * 0.5**k for k in (number, number + 1)]
-        smooth, outcome = winslow_3d.solved(
-            start,
-            growth=growth if growth is None else strength * growth,
-            tolerance=residual,
-            most=max_cycles,
-            threads=threads,
-            progress=part_of(progress, *span),
-        )
-        if not winslow_3d.count_folded(smooth):
+        weakened = growth if growth is None else strength * growth
+        found = solved(inside, weakened, asked, part_of(progress, *span))
+        if not winslow_3d.count_folded(found.points):
             if strength < 1:
                 warnings.append(f"control acts with {strength:g} of its strength: with more of it cells would fold")
             break
-    result = grid.with_points(smooth)
+    if not found.converged and (factor := mismatch(found.points, asked.walls)) > _MISMATCH:
+        warnings.append(
+            f"on the faces around walls, first cells are up to {factor:.2g} times as high or low as asked: inside they "
+            'cannot differ so much from one to the next; choose faces "respaced", or space the edges so'
+        )
+    result = start.with_points(found.points)
     _refuse_folds(result)
     validate(result)
-    if not outcome.converged:
-        warnings.append(
-            f"stopped after {outcome.cycles} cycles, an estimated {outcome.error:.2g} spacings from the converged "
-            "grid; allow more cycles or a larger residual"
-        )
     report = Report(
         counts={"points": result.n_points, "hexahedra": result.n_cells},
-        quality=summary(result),
-        iterations=outcome.cycles,
-        residual=outcome.residuals[-1] / (outcome.residuals[0] or 1.0),
-        converged=outcome.converged,
-        warnings=warnings,
+        quality={**summary(result), **found.quality},
+        iterations=len(found.history) - 1,
+        residual=found.history[-1],
+        converged=found.converged,
+        warnings=warnings + found.warnings,
+        history=list(found.history),
     )
     return Result(result, report)
 
 
-def _as_block(block: Mesh | StructuredGrid) -> StructuredGrid:
-    """A right-handed grid in space; the inside of a cage is filled by transfinite interpolation."""
+def _as_block(block: Mesh | StructuredGrid) -> tuple[StructuredGrid, list[str]]:
+    """A right-handed grid in space, and whether it was turned; a cage is filled by transfinite interpolation."""
     if isinstance(block, Mesh):
         surface = block.boundary if len(block.get("hexahedron")) else block
         block = StructuredGrid(interpolated_volume(cage_of(surface, "block"), blending="linear"))
@@ -156,7 +202,9 @@ def _as_block(block: Mesh | StructuredGrid) -> StructuredGrid:
         raise InvalidInput(f"is a surface, {block!r}; give a grid of two or more layers of points", parameter="block")
     ni, nj, nk = block.shape
     check_size(ni * nj, nk, parameter="block")
-    return block.reversed_along_i() if winslow_3d.is_left_handed(block.points) else block
+    if not winslow_3d.is_left_handed(block.points):
+        return block, []
+    return block.reversed_along_i(), ["the block was left-handed; its i is reversed: imin and imax have changed places"]
 
 
 def _filled(points: np.ndarray) -> np.ndarray:

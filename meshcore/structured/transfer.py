@@ -128,7 +128,7 @@ class Transfer:
         return out
 
 
-def coarsened(shape: Sequence[int], chosen: Sequence[bool] | None = None) -> tuple[Line, ...]:
+def coarsened(shape: Sequence[int], chosen: Sequence[bool] | None = None, least: int = LEAST_CELLS) -> tuple[Line, ...]:
     """The lines to a grid with half the cells in all directions, or the chosen ones; empty if none can be coarsened.
 
     Examples
@@ -140,7 +140,7 @@ def coarsened(shape: Sequence[int], chosen: Sequence[bool] | None = None) -> tup
     """
     cells = [n - 1 for n in shape]
     chosen = [True] * len(cells) if chosen is None else chosen
-    lines = tuple(Line(n, coarser(n) if yes else n) for n, yes in zip(cells, chosen, strict=True))
+    lines = tuple(Line(n, coarser(n, least) if yes else n) for n, yes in zip(cells, chosen, strict=True))
     return lines if any(line.coarse < line.fine for line in lines) else ()
 
 

@@ -12,11 +12,12 @@ lean back within about a cell's width. After each cycle t and u move by a share 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..errors import InvalidInput
+from ..mesh.structured_grid import FACES
 from ..progress import Progress, advance, silent
 from .sliding import Slide
 from .winslow import SIDES, full_multigrid, safe_cycle
@@ -28,52 +29,60 @@ FEWEST_CELLS = (16, 24)
 """Cells that a direction keeps on all levels: coarser ones cannot hold a control function that falls off in a few."""
 MOST_STEPS = 120
 _ROUNDING = 1e-14  # a residual that is none, in a grid of unit size
-_LEAN_REACH = 0.5  # a
-_GROWTH_REACH = 5.0  # b times the cells from wall to wall
-_SHARE = 0.6  # of the promised step
-_FIRST_SHARE = 0.8  # of the height's first step, which has no limit of its own: a far smaller height is half the work
-_LARGEST_LEAN_STEP, _LARGEST_HEIGHT_STEP, _LARGEST_CONTROL = 0.4, 0.8, 1.5
+LEAN_REACH = 0.5  # a
+GROWTH_REACH = 5.0  # b times the cells from wall to wall
+SHARE = 0.6  # of the promised step
+FIRST_SHARE = 0.8  # of the height's first step, which has no limit of its own: a far smaller height is half the work
+LARGEST_LEAN_STEP, LARGEST_HEIGHT_STEP, LARGEST_CONTROL = 0.4, 0.8, 1.5
 # Lines must turn by the corner's angle within so many nodes beside a sharp corner or an end of a wall, and within so
 # many first heights: neither angle nor height are judged there.
-_NEAR_CORNER, _CORNER_REACH = 2, 2.0
-_PATIENCE = 25  # steps without a gain of two per cent
-_SHARP = np.radians(60.0)  # of turning
+NEAR_CORNER, CORNER_REACH = 2, 2.0
+PATIENCE = 25  # steps without a gain of two per cent
+SHARP = np.radians(60.0)  # of turning
 
 
 @dataclass(frozen=True)
 class Wall:
-    """What is asked at one side of a grid.
+    """What is asked at one side of a planar grid, or at one face of a block.
 
     Parameters
     ----------
     side : str
-        "south", "east", "north" or "west": j = 0, the last i, the last j, i = 0.
-    first_height : float or (n,) float, optional
+        "south", "east", "north" or "west": j = 0, the last i, the last j, i = 0; of a block "imin", "imax", "jmin",
+        "jmax", "kmin" or "kmax".
+    first_height : float, (n,) or (n, m) float, optional
         Length of the first edge of the lines that leave the wall; left out, it is what it becomes.
-    angle : float or (n,) float, optional
+    angle : float, (n,) or (2, n, m) float, optional
         Degrees from the wall's direction, in which i or j grows, to the line that leaves it; None for what it becomes.
+        A line that leaves a face runs along ``normal + cot(angle[0]) a + cot(angle[1]) b``, where a and b are the
+        directions in which the first and the second index of the face grow; one number is that to the first.
     slides : bool
         Whether the angle is reached by points that slide along the wall, between its ends, instead of lines that lean.
+    lean_at_edges : bool
+        Whether lines that leave a face of a block lean near its edges as those on the next faces do.
 
     Raises
     ------
     InvalidInput
-        If there is no such side, or a height or an angle is impossible.
+        If there is no such side or face, or a height or an angle is impossible.
 
     Examples
     --------
     >>> Wall("south", first_height=1e-3)
-    Wall(side='south', first_height=0.001, angle=90.0, slides=False)
+    Wall(side='south', first_height=0.001, angle=90.0, slides=False, lean_at_edges=False)
     """
 
     side: str
     first_height: float | np.ndarray | None = None
     angle: float | np.ndarray | None = 90.0
     slides: bool = False
+    lean_at_edges: bool = False
 
     def __post_init__(self) -> None:
-        if self.side not in SIDES:
-            raise InvalidInput(f"{self.side!r} is no side; sides are {', '.join(SIDES)}", parameter="walls")
+        if self.side not in (*SIDES, *FACES):
+            raise InvalidInput(
+                f"{self.side!r} is no side; sides are {', '.join(SIDES)}, faces {', '.join(FACES)}", parameter="walls"
+            )
         height, angle = (np.asarray(1.0 if v is None else v, float) for v in (self.first_height, self.angle))
         if not (np.isfinite(height) & (height > 0)).all():
             raise InvalidInput(
@@ -81,6 +90,10 @@ class Wall:
             )
         if not ((angle > 0) & (angle < 180)).all():
             raise InvalidInput(f"the angle must be between 0 and 180 degrees, got {self.angle}", parameter="walls")
+
+    def scaled(self, factor: float) -> Wall:
+        """The same of a grid whose lengths are multiplied."""
+        return self if self.first_height is None else replace(self, first_height=factor * np.asarray(self.first_height))
 
 
 @dataclass
@@ -135,7 +148,7 @@ def _neighbouring_edges(wall: np.ndarray, closed: bool) -> tuple[np.ndarray, np.
     long_after, long_before = np.linalg.norm(after, axis=0), np.linalg.norm(before, axis=0)
     ahead, behind = after / long_after, before / long_before
     turn = np.abs(np.arctan2(ahead[1] * behind[0] - ahead[0] * behind[1], (ahead * behind).sum(axis=0)))
-    return ahead, behind, np.where(turn > _SHARP, 0.5, long_before / (long_after + long_before)), turn
+    return ahead, behind, np.where(turn > SHARP, 0.5, long_before / (long_after + long_before)), turn
 
 
 def measured(r: np.ndarray, side: str, sign: float, cyclic: bool) -> Measured:
@@ -149,7 +162,7 @@ def measured(r: np.ndarray, side: str, sign: float, cyclic: bool) -> Measured:
     height, length = np.hypot(*edge), np.linalg.norm(np.diff(wall, axis=1), axis=0)
     first, last = (length[-1:], length[:1]) if closed else (length[:1], length[-1:])
     spacing = 0.5 * (np.concatenate([length, last]) + np.concatenate([first, length]))
-    sharp = _neighbouring_edges(wall, closed)[3] > _SHARP
+    sharp = _neighbouring_edges(wall, closed)[3] > SHARP
     counts = _away_from(sharp, np.concatenate([[0.0], np.cumsum(length)]), height, closed)
     return Measured(np.degrees(np.arctan2(out, along)), height, spacing, counts)
 
@@ -163,7 +176,7 @@ def _away_from(sharp: np.ndarray, length: np.ndarray, height: np.ndarray, closed
         nodes, way = np.abs(number - corner), np.abs(length - length[corner])
         if closed:
             nodes, way = np.minimum(nodes, len(sharp) - 1 - nodes), np.minimum(way, length[-1] - way)
-        counts &= (nodes > _NEAR_CORNER) & (way > _CORNER_REACH * height)
+        counts &= (nodes > NEAR_CORNER) & (way > CORNER_REACH * height)
     return counts
 
 
@@ -181,15 +194,9 @@ class _Control:
     def step(self, found: Measured, *, first: bool) -> None:
         """Move the amplitudes against what is wrong."""
         if self.wall.first_height is not None:
-            wrong = np.log(found.height / self.wall.first_height)
-            step = (
-                _FIRST_SHARE * wrong if first else _SHARE * np.clip(wrong, -_LARGEST_HEIGHT_STEP, _LARGEST_HEIGHT_STEP)
-            )
-            self.growth = _limited(self.growth + self.fall * step)
+            self.growth = limited(self.growth + self.fall * height_step(found.height, self.wall.first_height, first))
         if self.wall.angle is not None and self.slide is None:
-            wrong = np.tan(np.clip(np.radians(self.wall.angle - found.angle), -1.2, 1.2))
-            wrong = np.clip(wrong, -_LARGEST_LEAN_STEP, _LARGEST_LEAN_STEP)
-            self.lean = _limited(self.lean + _SHARE * _LEAN_REACH * wrong)
+            self.lean = limited(self.lean + lean_step(found.angle, self.wall.angle))
         if self.closed:
             self.growth[-1], self.lean[-1] = self.growth[0], self.lean[0]
 
@@ -203,7 +210,7 @@ class _Control:
         distance = np.zeros(lines.shape[1:])
         np.cumsum(np.hypot(*np.diff(lines, axis=2)), axis=1, out=distance[:, 1:])
         view[normal] += outwards * self.growth[:, None] * np.exp(-self.fall * np.arange(lines.shape[2]))
-        view[along] += self.lean[:, None] * np.exp(-_LEAN_REACH * distance / unit[:, None])
+        view[along] += self.lean[:, None] * np.exp(-LEAN_REACH * distance / unit[:, None])
 
     def excess(self, found: Measured) -> tuple[float, float]:
         """Largest error of angle (degrees) and of height (relative) where they count."""
@@ -216,8 +223,21 @@ class _Control:
         return angle, height
 
 
-def _limited(amplitude: np.ndarray) -> np.ndarray:
-    return np.clip(amplitude, -_LARGEST_CONTROL, _LARGEST_CONTROL)
+def height_step(height: np.ndarray, wanted: float | np.ndarray, first: bool) -> np.ndarray:
+    """By how much the logarithm of growth of all cells together is to change, for heights that are wrong."""
+    wrong = np.log(height / wanted)
+    return FIRST_SHARE * wrong if first else SHARE * np.clip(wrong, -LARGEST_HEIGHT_STEP, LARGEST_HEIGHT_STEP)
+
+
+def lean_step(angle: np.ndarray, wanted: float | np.ndarray) -> np.ndarray:
+    """By how much the amplitude of a lean is to change, for angles in degrees that are wrong."""
+    wrong = np.tan(np.clip(np.radians(wanted - angle), -1.2, 1.2))
+    return SHARE * LEAN_REACH * np.clip(wrong, -LARGEST_LEAN_STEP, LARGEST_LEAN_STEP)
+
+
+def limited(amplitude: np.ndarray) -> np.ndarray:
+    """Control functions within Sorenson's limits."""
+    return np.clip(amplitude, -LARGEST_CONTROL, LARGEST_CONTROL)
 
 
 @dataclass(frozen=True)
@@ -232,12 +252,36 @@ class Controlled:
         Largest errors where they count: degrees, and a share of the height.
     converged : bool
         Whether all of these are small enough.
+    good : float, optional
+        Share of the points that count where both errors are.
     """
 
     history: tuple[float, ...]
     angle: float
     height: float
     converged: bool
+    good: float | None = None
+
+    @property
+    def quality(self) -> dict[str, float]:
+        """What reports say."""
+        quality = {
+            "error of wall angles (degree)": float(self.angle),
+            "error of first heights (%)": 100 * float(self.height),
+        }
+        return quality if self.good is None else {**quality, "points at walls as asked (%)": 100 * self.good}
+
+    @property
+    def warnings(self) -> list[str]:
+        """What users are told."""
+        if self.converged:
+            return []
+        return [
+            f"walls not controlled after {len(self.history) - 2} steps: angles are off by up to {self.angle:.3g} "
+            f"degrees, heights by up to {self.height:.1%}"
+            + ("" if self.good is None else f", {self.good:.2%} of the points that are judged are as asked")
+            + "; space the sides that end at walls by the first height, take more cells, or ask for less"
+        ]
 
 
 def controlled(
@@ -263,7 +307,7 @@ def controlled(
         opposite = OPPOSITE[wall.side]
         reach = (out - 1) / (2 if opposite in [other.side for other in walls] else 1)
         slide = Slide(from_wall(finest.points_without_ghosts, wall.side)[..., 0]) if wall.slides else None
-        controls.append(_Control(wall, closed, _GROWTH_REACH / reach, np.zeros(n), np.zeros(n), slide))
+        controls.append(_Control(wall, closed, GROWTH_REACH / reach, np.zeros(n), np.zeros(n), slide))
     residuals, worst = [unit, finest.residual()], []
     for step in range(most_steps):
         r = finest.points_without_ghosts
@@ -273,7 +317,7 @@ def controlled(
         if converged:
             break
         worst.append(angle / angle_within + height / height_within)
-        if len(worst) > _PATIENCE and min(worst[-_PATIENCE:]) > 0.98 * min(worst[:-_PATIENCE]):
+        if len(worst) > PATIENCE and min(worst[-PATIENCE:]) > 0.98 * min(worst[:-PATIENCE]):
             break
         theta = growth.copy()
         for control, have in zip(controls, found, strict=True):
@@ -282,7 +326,7 @@ def controlled(
             if control.slide is not None:
                 control.slide.step(from_wall(r, control.wall.side), have, control.wall.angle, control.closed)
         finest.wrap()
-        levels.set_growth(_limited(theta))
+        levels.set_growth(limited(theta))
         if step == 0:  # where the start solves the equations, as in a box, there is nothing to measure by but this
             unit = max(unit, finest.residual())
         safe_cycle(levels)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -10,7 +11,7 @@ from ..progress import Progress, silent
 from ..threads import Workers, available_threads
 from . import _winslow_3d_kernels as kernels
 from .multigrid import Level, Outcome, first_level, solve
-from .transfer import NUMBERS_A_THREAD, Transfer, coarsened, coarser, growth_on_coarse
+from .transfer import LEAST_CELLS, NUMBERS_A_THREAD, Transfer, coarsened, coarser, growth_on_coarse
 
 WEAK = 0.3
 """A direction whose coupling is less than this part of the strongest is not coarsened yet."""
@@ -68,7 +69,7 @@ def solved(
     centre, size = points.reshape(-1, 3).mean(axis=0), float(np.ptp(points.reshape(-1, 3), axis=0).max())
     size = size or 1.0
     with Workers(threads or available_threads()) as workers:
-        levels = _levels((points - centre) / size, growth, workers)
+        levels = levels_of((points - centre) / size, growth, workers)
         outcome = solve(
             levels,
             first=first_level(levels, FIRST_CELLS),
@@ -121,9 +122,14 @@ class _Space(Level):
         self.f = np.zeros_like(self.x)
         self.transfer = None
         self._defect: np.ndarray | None = None
-        self._control, self._sign, self._workers = -2 * np.tanh(growth.reshape(-1) / 2), sign, workers
+        self._sign, self._workers = sign, workers
         self._shape = self.x.shape[1:]
-        self._flat = self.x.reshape(-1), self.f.reshape(-1), self._control, self._shape
+        self.set_growth(growth)
+
+    def set_growth(self, growth: np.ndarray) -> None:
+        """Set the control functions, (3, ni, nj, nk) logarithms of growth; no numbers for Laplace."""
+        control = -2 * np.tanh(growth.reshape(-1) / 2)
+        self._flat = self.x.reshape(-1), self.f.reshape(-1), control, self._shape
 
     def smooth(self, *, back: bool) -> None:
         """Zebra lines along i, j and k, or in the reverse order."""
@@ -186,8 +192,10 @@ def _row() -> np.ndarray:
     return np.empty(kernels.FIELDS * kernels.NODES)
 
 
-def _levels(points: np.ndarray, growth: np.ndarray | None, workers: Workers) -> list[Level]:
-    """The grid and ever coarser ones, down to where no direction can be coarsened.
+def levels_of(
+    points: np.ndarray, growth: np.ndarray | None, workers: Workers, *, least: int = LEAST_CELLS
+) -> list[Level]:
+    """The grid and ever coarser ones, down to where no direction can be coarsened to ``least`` cells.
 
     Where cells are needles, zebra lines do not smooth what changes along them: such a direction waits until the others
     are as coarse (semi-coarsening).
@@ -198,7 +206,7 @@ def _levels(points: np.ndarray, growth: np.ndarray | None, workers: Workers) -> 
     finest = _Space(x, theta, sign, workers)
     levels: list[Level] = [finest]
     strength = finest.couplings()
-    while lines := coarsened(levels[-1].x.shape[1:], _strong(levels[-1].x.shape[1:], strength)):
+    while lines := coarsened(levels[-1].x.shape[1:], _strong(levels[-1].x.shape[1:], strength, least), least):
         transfer = levels[-1].transfer = Transfer(lines, workers)
         theta = theta if growth is None else growth_on_coarse(transfer, theta)
         levels.append(_Space(transfer.sampled(levels[-1].x), theta, sign, workers))
@@ -206,7 +214,15 @@ def _levels(points: np.ndarray, growth: np.ndarray | None, workers: Workers) -> 
     return levels
 
 
-def _strong(shape: tuple[int, ...], strength: np.ndarray) -> np.ndarray:
+def set_growth(levels: Sequence[Level], growth: np.ndarray) -> None:
+    """Set the control functions of all levels from (3, ni, nj, nk) logarithms of growth on the finest."""
+    for level in levels:
+        level.set_growth(growth)
+        if level.transfer is not None:
+            growth = growth_on_coarse(level.transfer, growth)
+
+
+def _strong(shape: tuple[int, ...], strength: np.ndarray, least: int) -> np.ndarray:
     """(3,) bool: directions whose coupling is not weak beside that of others that can be coarsened."""
-    can = np.array([coarser(n - 1) < n - 1 for n in shape])
+    can = np.array([coarser(n - 1, least) < n - 1 for n in shape])
     return can & (strength >= WEAK * strength[can].max(initial=0.0))

@@ -1,0 +1,129 @@
+"""What the grid of a block is asked to be at its faces, and the way from there to its points."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import InvalidInput
+from ..mesh.structured_grid import FACES
+from ..progress import Progress, silent
+from ..threads import Workers, available_threads
+from . import winslow_3d
+from .block_faces import across
+from .elliptic_problem import Found
+from .face_measures import axis_of
+from .wall_control import Wall
+from .wall_control_3d import LEAST_CELLS, controlled
+
+
+@dataclass(frozen=True)
+class AskedOfBlock:
+    """What the grid of a block shall be like at its faces, and how it is solved.
+
+    Attributes
+    ----------
+    walls : sequence of Wall
+        What is asked at faces.
+    residual : float or None
+        Residual to reach.
+    most_cycles : int
+        Cycles after which to give up.
+    threads : int or None
+        How many may work.
+    """
+
+    walls: Sequence[Wall] = ()
+    residual: float | None = None
+    most_cycles: int = 60
+    threads: int | None = None
+
+    def check(self, points: np.ndarray) -> None:
+        """Refuse what no (ni, nj, nk, 3) block can have.
+
+        Raises
+        ------
+        InvalidInput
+            If a wall is no face, is named twice, has values of another shape, or heights as long as its lines.
+        """
+        names = [wall.side for wall in self.walls]
+        for wall in self.walls:
+            if wall.side not in FACES:
+                raise InvalidInput(
+                    f"{wall.side} is no face of a block; faces are {', '.join(FACES)}", parameter="walls"
+                )
+            if names.count(wall.side) > 1:
+                raise InvalidInput(f"{wall.side} is named twice; give one wall for each face", parameter="walls")
+            _check_wall(points, wall)
+
+
+def _check_wall(points: np.ndarray, wall: Wall) -> None:
+    shape = tuple(points.shape[axis] for axis in across(wall.side))
+    height = np.asarray(0.0 if wall.first_height is None else wall.first_height)
+    angle = np.asarray(90.0 if wall.angle is None else wall.angle)
+    if height.shape not in ((), shape):
+        raise InvalidInput(
+            f"the first heights of {wall.side} need shape {shape}, got {height.shape}", parameter="walls"
+        )
+    if angle.shape not in ((), (2,), (2, *shape)):
+        raise InvalidInput(f"angles of {wall.side} need shape {(2, *shape)}, got {angle.shape}", parameter="walls")
+    lines = np.moveaxis(points, axis_of(wall.side), 0)
+    length = np.linalg.norm(np.diff(lines, axis=0), axis=-1).sum(axis=0)
+    if (height >= length).any():
+        at = np.argmin(length - height)
+        raise InvalidInput(
+            f"is {np.broadcast_to(height, shape).flat[at]:.4g} at {wall.side}, where a whole line is "
+            f"{length.flat[at]:.4g} long; ask for less",
+            parameter="first_height",
+        )
+
+
+def solved(points: np.ndarray, growth: np.ndarray | None, asked: AskedOfBlock, progress: Progress = silent) -> Found:
+    """The elliptic grid with the boundary of a given one, which starts from its inside.
+
+    Parameters
+    ----------
+    points : (ni, nj, nk, 3) float
+        A right-handed block.
+    growth : (3, ni, nj, nk) float, optional
+        Control functions as logarithms of growth from cell to cell; by default Laplace.
+    asked : AskedOfBlock
+        What it shall be like.
+    progress : Progress
+        Called with fraction and message.
+    """
+    if asked.walls and min(points.shape[:3]) >= 3:
+        return _with_walls(points, growth, asked, progress)
+    smooth, outcome = winslow_3d.solved(
+        points,
+        growth=growth,
+        tolerance=asked.residual,
+        most=asked.most_cycles,
+        threads=asked.threads,
+        progress=progress,
+    )
+    warnings = []
+    if not outcome.converged:
+        warnings.append(
+            f"stopped after {outcome.cycles} cycles, an estimated {outcome.error:.2g} spacings from the converged "
+            "grid; allow more cycles or a larger residual"
+        )
+    history = np.array(outcome.residuals) / (outcome.residuals[0] or 1.0)
+    return Found(smooth, history.tolist(), outcome.converged, warnings)
+
+
+def _with_walls(points: np.ndarray, growth: np.ndarray | None, asked: AskedOfBlock, progress: Progress) -> Found:
+    flat = points.reshape(-1, 3)
+    centre, size = flat.mean(axis=0), float(np.ptp(flat, axis=0).max()) or 1.0
+    walls = [wall.scaled(1 / size) for wall in asked.walls]
+    if growth is None:
+        growth = np.zeros((3, *points.shape[:3]))
+    with Workers(asked.threads or available_threads()) as workers:
+        levels = winslow_3d.levels_of((points - centre) / size, growth, workers, least=LEAST_CELLS)
+        went = controlled(levels, walls, growth, progress=progress)
+    new = points.copy()
+    inner = (slice(1, -1),) * 3
+    new[inner] = centre + size * np.moveaxis(levels[0].x, 0, -1)[inner]
+    return Found(new, went.history, went.converged, went.warnings, went.quality)
