@@ -20,6 +20,7 @@ from vtkmodules.vtkFiltersCore import vtkAppendFilter
 
 GHOST = vtkDataSetAttributes.GhostArrayName()
 NOT_MINE = vtkDataSetAttributes.DUPLICATECELL | vtkDataSetAttributes.HIDDENCELL
+FACE = "face"
 SOURCE_CELL = "meshcore source cell"
 
 
@@ -52,13 +53,17 @@ def mesh_of(dataset, *, known_only=False):
     return replace(mesh, cell_data=cell_data), source
 
 
-def boundary_of(dataset):
-    """The dataset's lines as a `Mesh` without repeated points; where it has none, the outline of its surface."""
+def boundary_of(dataset, **data):
+    """The dataset's lines as a `Mesh` without repeated points; where it has none, the outline of its surface.
+
+    More cell ``data`` are those of the cells of `mesh_of`.
+    """
     from meshcore import InvalidGeometry, Mesh
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # that polygons are cut into triangles does not change the outline
         mesh, _ = mesh_of(dataset)
+    mesh = mesh.with_cell_data(**data)
     lines = mesh.get("line")
     if len(lines):
         where = {kind: place for kind, _, place in mesh.blocks()}["line"]
@@ -79,6 +84,28 @@ def boundary_of(dataset):
         {name: values[source[long]] for name, values in mesh.cell_data.items()},
         field_data=mesh.field_data,
     ).compacted()
+
+
+def curve_of(dataset):
+    """The dataset as one curve or several: its lines, or the outline of its surface, or its points in order.
+
+    Where there are several polylines the cell data "polyline" number them, so that their ends are not lost where they
+    meet: four that close are four sides.
+    """
+    from meshcore import Mesh
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # as in `boundary_of`
+        mesh, source = mesh_of(dataset)
+    if mesh.n_points and mesh.dimension == 0:
+        return Mesh(mesh.points, {}, mesh.point_data)
+    where = {kind: place for kind, _, place in mesh.blocks()}.get("line", slice(0, 0))
+    numbers, count = np.unique(source[where], return_counts=True)
+    if len(numbers) < 2 or count.min() < 2:  # single lines are no curves of their own
+        return boundary_of(dataset)
+    number = np.zeros(mesh.n_cells, np.int64)
+    number[where] = np.searchsorted(numbers, source[where])
+    return boundary_of(dataset, polyline=number)
 
 
 def grid_of(dataset):
@@ -132,6 +159,8 @@ def fill(output, result):
     from meshcore.io.vtk_data import encoded
 
     data = encoded(result)
+    if isinstance(output, vtkStructuredGrid) and result.names:
+        data = replace(data, point_data={**data.point_data, FACE: _faces_of(result)})
     points = vtkPoints()
     points.SetData(numpy_to_vtk(data.points, deep=True))
     if isinstance(output, vtkStructuredGrid):
@@ -146,6 +175,17 @@ def fill(output, result):
     add_arrays(output.GetPointData(), data.point_data)
     add_arrays(output.GetCellData(), data.cell_data)
     add_arrays(output.GetFieldData(), data.field_data)
+
+
+def _faces_of(grid):
+    """Where the named faces of a grid are, by colour or threshold: 1 to 6 for imin to kmax, 0 elsewhere."""
+    from meshcore.mesh.structured_grid import FACES
+
+    number = np.zeros(grid.shape, np.uint8)
+    for face in grid.names:
+        axis, last = divmod(FACES.index(face), 2)
+        np.moveaxis(number, axis, 0)[-last] = 1 + FACES.index(face)
+    return grid.flat(number)
 
 
 def fill_report(output, report):

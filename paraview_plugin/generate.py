@@ -16,6 +16,7 @@ from xml.sax.saxutils import escape, quoteattr
 import meshcore
 import meshcore.io
 from meshcore import gallery
+from meshcore.geometry.curves import Curve
 from meshcore.operation import Operation, Param, Port, Relative
 
 HERE = Path(__file__).parent
@@ -139,7 +140,7 @@ def _own_arrays(op: Operation) -> list[tuple[Port, Param]]:
 def _beside(op: Operation) -> list[Port]:
     """Optional inputs that are meshes beside a first one of lines, such as a background."""
     first, *others = op.inputs.values() or [None]
-    return [port for port in others if port.optional and _takes(port) == "mesh" and _takes(first) == "lines"]
+    return [port for port in others if port.optional and _takes(port) == "mesh" and _takes(first) in ("lines", "curve")]
 
 
 def _own_setter(port: Port, param: Param) -> str:
@@ -157,10 +158,11 @@ def _tuple(rows: list[tuple[str, str, bool]]) -> str:
 
 
 def _takes(port: Port) -> str:
-    """What the runtime makes of a VTK dataset at this port: "lines", "mesh", "grid", or "either" of these two."""
-    if port.cells == ("line",):
-        return "lines"
+    """What the runtime makes of a VTK dataset at this port: "lines", a "curve" of lines or points in order, a "mesh", a
+    "grid", or "either" of these two."""
     kinds = typing.get_args(port.type) or (port.type,)
+    if port.cells == ("line",):
+        return "curve" if set(typing.get_args(Curve)) <= set(kinds) else "lines"
     if meshcore.StructuredGrid not in kinds:
         return "mesh"
     return "either" if meshcore.Mesh in kinds else "grid"

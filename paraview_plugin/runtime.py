@@ -11,7 +11,7 @@ from paraview.util.vtkAlgorithm import VTKPythonAlgorithmBase
 from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkStructuredGrid
 from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm, vtkStreamingDemandDrivenPipeline
 
-from .conversion import boundary_of, fill, fill_report, grid_of, mesh_of
+from .conversion import boundary_of, curve_of, fill, fill_report, grid_of, mesh_of
 from .meshcore_plugin import paraview_plugin_version  # written by generate.py
 
 NO_ARRAY = "None"
@@ -209,7 +209,8 @@ def converted(dataset, cells, name):
     try:
         if cells == "grid" or (cells == "either" and isinstance(dataset, vtkStructuredGrid)):
             return grid_of(dataset)
-        return boundary_of(dataset) if cells == "lines" else mesh_of(dataset)[0]
+        kinds = {"lines": boundary_of, "curve": curve_of}
+        return kinds[cells](dataset) if cells in kinds else mesh_of(dataset)[0]
     except InvalidGeometry as error:
         raise type(error)(f"{name}: {error}", points=error.points, cells=error.cells) from error
 

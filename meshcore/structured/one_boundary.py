@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise, permutations
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ..errors import InvalidGeometry, InvalidInput
 from ..geometry.curves import Curve, chains, is_closed, polyline, sharpest_corners
@@ -32,6 +34,29 @@ def four_chains(curve: Curve) -> list[np.ndarray] | None:
     if len(pieces) != 4 or any(is_closed(piece) for piece in pieces):
         return None
     return [pieces[k] for k in order_around(pieces)]
+
+
+def joined_ends(curve: Mesh, gap: float) -> Mesh:
+    """The same lines, or points in order, with open ends that are no farther apart than ``gap`` made one.
+
+    Examples
+    --------
+    >>> joined_ends(Mesh([[0, 0], [1, 0], [1, 1], [1e-9, 0]], {}), 1e-6).points[-1]
+    array([0., 0., 0.])
+    """
+    if not len(curve.get("line")):
+        points = curve.points.copy()
+        if len(points) > 3 and np.linalg.norm(points[-1] - points[0]) <= gap:
+            points[-1] = points[0]
+        return curve.with_points(points)
+    degree = np.bincount(curve.get("line").ravel(), minlength=curve.n_points)
+    ends = np.flatnonzero(degree == 1)
+    near = cKDTree(curve.points[ends]).query_pairs(gap, output_type="ndarray") if len(ends) else np.empty((0, 2), int)
+    number = np.arange(curve.n_points)
+    for a, b in ends[near]:
+        if number[a] == a and number[b] == b:  # two ends, not three
+            number[max(a, b)] = min(a, b)
+    return replace(curve, cells={kind: number[cells] for kind, cells in curve.cells.items()})
 
 
 def order_around(curves: Sequence[np.ndarray]) -> tuple[int, ...]:

@@ -10,10 +10,11 @@ import numpy as np
 
 from ..errors import InvalidGeometry, InvalidInput
 from ..geometry.curves import Curve, arc_length, polyline, resampled
+from ..mesh import Mesh
 from ..operation import Length, absolute
 from ..sizing import Spacing, copied
 from .limits import check_extent
-from .one_boundary import cut_loop, four_chains
+from .one_boundary import cut_loop, four_chains, joined_ends
 
 NAMES = ("south", "east", "north", "west")
 
@@ -70,9 +71,7 @@ class Sides:
         if missing == ["east", "north", "west"]:
             apart = four_chains(given["south"])
             if apart is None:
-                lines = dict(zip(NAMES, cut_loop(given["south"], corners, shift_corners), strict=True))
-                extent = check_extent(np.concatenate(list(lines.values())), parameter="south")
-                return cls(lines, names, absolute(tolerance, extent), loop=True, named=False)._right_handed()
+                return cls._of_loop(given["south"], corners, tolerance, shift_corners)
             given, missing = dict(zip(NAMES, apart, strict=True)), []
             named = False
         if missing:
@@ -85,6 +84,15 @@ class Sides:
         lines, reversed_ = _joined(read, gap)
         warnings = [f"{name} ran the other way and was reversed" for name in reversed_ if named]
         return cls(lines, names, gap, named=named, warnings=warnings)._right_handed()
+
+    @classmethod
+    def _of_loop(cls, curve: Curve, corners: tuple[int, ...], tolerance: Length, shifts: tuple[int, ...]) -> Sides:
+        """The sides that a loop, closed or within tolerance of it, is cut into."""
+        mesh = curve if isinstance(curve, Mesh) else Mesh(curve, {})
+        used = mesh.points[np.unique(mesh.get("line"))] if len(mesh.get("line")) else polyline(mesh, "south")
+        gap = absolute(tolerance, check_extent(used, parameter="south"))
+        lines = dict(zip(NAMES, cut_loop(joined_ends(mesh, gap), corners, shifts), strict=True))
+        return cls(lines, dict(zip(NAMES, NAMES, strict=True)), gap, loop=True, named=False)._right_handed()
 
     def _right_handed(self) -> Sides:
         """The same; in a plane of constant z, with i reversed if the sides run clockwise."""

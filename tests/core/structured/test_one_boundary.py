@@ -54,7 +54,7 @@ def test_four_chains_that_nearly_meet_are_joined_within_tolerance():
 
 
 def test_other_numbers_of_chains_are_refused():
-    chains = apart(range(4), [False] * 4)
+    chains = apart(range(4), [False] * 4, gap=0.1)
     three = Mesh(chains.points, {"line": chains.get("line")[: 12 + 7 + 12]}).compacted()
     with pytest.raises(InvalidGeometry, match=r"one closed loop or four chains.*got 3"):
         mc.transfinite(three)
@@ -94,3 +94,24 @@ def test_tags_of_lines_mark_corners():
     lines[::2] = lines[::2, ::-1]
     tagged = Mesh(loop.points, {"line": lines}, cell_data={"tag": tag[shuffle], "height": np.linspace(0, 1, 24)})
     assert corners_of(mc.transfinite(tagged, cells_i=6, cells_j=6).mesh) == on_circle({0, 3, 10, 16})
+
+
+@pytest.mark.parametrize("as_lines", [True, False])
+def test_a_loop_that_is_closed_within_tolerance_is_closed(as_lines):
+    angle = np.linspace(0, 2 * np.pi, 25)  # whose last point is 2e-16 off its first
+    points = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
+    assert (points[0] != points[-1]).any()
+    curve = lines_through(points) if as_lines else points
+    grid, _ = mc.elliptic(curve, cells_i=6, cells_j=6)
+    assert corners_of(grid) == on_circle({0, 6, 12, 18})
+    with pytest.raises(InvalidGeometry, match="is open"):
+        mc.elliptic(curve, cells_i=6, cells_j=6, tolerance=0)
+
+
+def test_pieces_of_a_loop_that_touch_within_tolerance_are_joined():
+    n = 24
+    points = np.concatenate([gallery.circle(n).points, gallery.circle(n).points[:2] + 1e-9])
+    lines = [(k, k + 1) for k in range(n - 1)] + [(n - 1, n)]  # closed by a double of point 0
+    pieces = Mesh(points, {"line": [line for line in lines if line != (11, 12)] + [(11, n + 1)]})
+    pieces = pieces.with_points(np.concatenate([points[:-1], points[12:13] - 1e-9]))
+    assert corners_of(mc.transfinite(pieces, cells_i=6, cells_j=6).mesh) == on_circle({0, 6, 12, 18})
