@@ -14,6 +14,12 @@ Curve = Union[Mesh, np.ndarray]
 """A polyline: (n, 3) or (n, 2) points in order, or a `Mesh` whose "line" cells form one chain."""
 
 
+SHARP = np.radians(60)
+"""A turn that is a corner whatever stands beside it."""
+NOTICEABLE = np.radians(30)
+"""A turn that is a corner if the loop is nearly straight on one side of it."""
+
+
 def chains(mesh: Mesh) -> list[np.ndarray]:
     """The "line" cells as chains of point numbers; a closed one ends with its first point.
 
@@ -115,6 +121,42 @@ def arc_length(points: np.ndarray) -> np.ndarray:
     steps = np.diff(points, axis=0)
     scale = float(np.abs(steps).max(initial=0.0)) or 1.0  # squares of lengths below 1e-154 would underflow
     return np.concatenate([[0.0], np.cumsum(scale * np.linalg.norm(steps / scale, axis=1))])
+
+
+def turning(loop: np.ndarray) -> np.ndarray:
+    """Angle in radians by which a closed polyline turns at each of its points, positive to the left.
+
+    Parameters
+    ----------
+    loop : (n, 2) float
+        Points in order; the last is joined to the first.
+
+    Returns
+    -------
+    (n,) float
+        Between -pi and pi; for a simple counter-clockwise loop they add up to 2 pi.
+
+    Examples
+    --------
+    >>> np.degrees(turning(np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])))
+    array([90., 90., 90., 90.])
+    """
+    after = np.roll(loop, -1, axis=0) - loop
+    before = np.roll(after, 1, axis=0)
+    return np.arctan2(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0], (before * after).sum(axis=1))
+
+
+def corners(turn: np.ndarray) -> np.ndarray:
+    """Which points of a loop are corners rather than samples of a round: (n,) bool from its (n,) turning.
+
+    Examples
+    --------
+    >>> corners(turning(np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])))
+    array([ True,  True,  True,  True])
+    """
+    size = np.abs(turn)
+    straighter = np.minimum(np.roll(size, 1), np.roll(size, -1))
+    return (size > SHARP) | ((size > NOTICEABLE) & (size > 2.5 * straighter))
 
 
 def resampled(points: np.ndarray, fractions: np.ndarray) -> np.ndarray:

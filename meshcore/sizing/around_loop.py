@@ -2,52 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..errors import InvalidInput
-from ..geometry.curves import arc_length
+from ..geometry.curves import arc_length, corners, turning
+from ..geometry.spline import ShapeSpline
 
-SHARP = np.radians(60)
-"""A turn that is a corner whatever stands beside it."""
-NOTICEABLE = np.radians(30)
-"""A turn that is a corner if the loop is nearly straight on one side of it."""
 _BINS = 4096
-
-
-def turning(loop: np.ndarray) -> np.ndarray:
-    """Angle in radians by which a closed polyline turns at each of its points, positive to the left.
-
-    Parameters
-    ----------
-    loop : (n, 2) float
-        Points in order; the last is joined to the first.
-
-    Returns
-    -------
-    (n,) float
-        Between -pi and pi; for a simple counter-clockwise loop they add up to 2 pi.
-
-    Examples
-    --------
-    >>> np.degrees(turning(np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])))
-    array([90., 90., 90., 90.])
-    """
-    after = np.roll(loop, -1, axis=0) - loop
-    before = np.roll(after, 1, axis=0)
-    return np.arctan2(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0], (before * after).sum(axis=1))
-
-
-def corners(turn: np.ndarray) -> np.ndarray:
-    """Which points of a loop are corners rather than samples of a round: (n,) bool from its (n,) turning.
-
-    Examples
-    --------
-    >>> corners(turning(np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])))
-    array([ True,  True,  True,  True])
-    """
-    size = np.abs(turn)
-    straighter = np.minimum(np.roll(size, 1), np.roll(size, -1))
-    return (size > SHARP) | ((size > NOTICEABLE) & (size > 2.5 * straighter))
 
 
 def smoothed_turning(fractions: np.ndarray, turn: np.ndarray, width: float) -> np.ndarray:
@@ -97,10 +60,18 @@ def accumulated(density: np.ndarray, fractions: np.ndarray) -> np.ndarray:
     return whole + np.interp(fractions - whole, np.linspace(0, 1, _BINS + 1), total)
 
 
-def respaced_loop(loop: np.ndarray, cells: int, *, bend: float = 0.5, width: float = 0.02) -> np.ndarray:
+def respaced_loop(
+    loop: np.ndarray,
+    cells: int,
+    *,
+    bend: float = 0.5,
+    width: float = 0.02,
+    sizes: Sequence[tuple[float, float]] = (),
+    growth: float = 1.2,
+) -> np.ndarray:
     """A closed loop with another number of points: dense where it bends, every corner and the first point kept.
 
-    Between corners the new points lie on a cubic spline through the old ones.
+    Between corners the new points lie on a cubic spline through the old ones that does not wiggle.
 
     Parameters
     ----------
@@ -112,6 +83,10 @@ def respaced_loop(loop: np.ndarray, cells: int, *, bend: float = 0.5, width: flo
         Share of the points that follow the bending; the rest follow length.
     width : float
         Distance over which the spacing adjusts, as a fraction of the loop.
+    sizes : sequence of (float, float)
+        Places, as fractions of the length, and the sizes of cells there.
+    growth : float
+        Factor from cell to cell by which cells become larger away from those places.
 
     Returns
     -------
@@ -120,7 +95,7 @@ def respaced_loop(loop: np.ndarray, cells: int, *, bend: float = 0.5, width: flo
     Raises
     ------
     InvalidInput
-        If there are fewer cells than stretches between corners.
+        If there are fewer cells than stretches between corners, or than the sizes need.
 
     Examples
     --------
@@ -142,19 +117,58 @@ def respaced_loop(loop: np.ndarray, cells: int, *, bend: float = 0.5, width: flo
     fractions = length / length[-1]
     density = smoothed_turning(fractions[:-1], np.abs(turn), width)
     density = bend * np.maximum(density, 0) / np.abs(turn).sum() + (1 - bend) / len(density)
-    wanted = accumulated(density, np.append(fractions[stops], 1.0))
-    fine = np.linspace(0, 1, 4 * _BINS + 1)
+    fine = _fine_fractions(sizes)
     share = accumulated(density, fine)
+    if sizes:
+        share = _with_sizes(density, fine, cells, [(at, size / length[-1]) for at, size in sizes], growth)
     share[-1] = 1.0
-    counts = _shared_out(cells, np.diff(wanted))
+    counts = _shared_out(cells, np.diff(np.interp(np.append(fractions[stops], 1.0), fine, share)))
     smooth = not corner.any()
     pieces = []
     for start, stop, count in zip(stops, np.append(stops[1:], len(loop)), counts, strict=True):
         level = np.interp([fractions[start], fractions[stop]], fine, share)
         at = np.interp(np.linspace(*level, count + 1)[:-1], share, fine) * length[-1]
         at[0] = length[start]
-        pieces.append(_along(length[start : stop + 1], closed[start : stop + 1], at, periodic=smooth))
+        spline = ShapeSpline(closed[start : stop + 1], closed=smooth)
+        pieces.append(spline(at - length[start]))
+        pieces[-1][0] = loop[start]
     return np.concatenate(pieces)
+
+
+def _fine_fractions(sizes: Sequence[tuple[float, float]]) -> np.ndarray:
+    """Fractions from 0 to 1 of a table of density: four a bin, ever denser towards places of given size."""
+    near = np.geomspace(1e-9, 0.1, 600)
+    around = [np.concatenate([at - near, [at], at + near]) for at, _ in sizes]
+    fine = np.concatenate([np.linspace(0, 1, 4 * _BINS + 1), *around])
+    return np.unique(np.clip(fine, 0, 1))
+
+
+def _with_sizes(density: np.ndarray, fine: np.ndarray, cells: int, sizes, growth: float) -> np.ndarray:
+    """Share of the points up to each fraction, cells having given sizes at some places and growing from there."""
+    rise = np.log(growth)
+    wanted = np.zeros(len(fine))
+    for at, size in sizes:
+        away = np.abs((fine - at + 0.5) % 1.0 - 0.5)
+        wanted = np.maximum(wanted, 1 / (size + rise * away))
+    # What bends asks for is scaled until there are as many cells as given; the sizes alone need fewer.
+    bins = np.linspace(0, 1, _BINS + 1)
+    asked = np.interp(fine, bins, np.append(density, density[0])) * _BINS
+
+    def total(scale: float) -> np.ndarray:
+        both = np.maximum(scale * asked, wanted)
+        return np.concatenate([[0.0], np.cumsum(0.5 * (both[1:] + both[:-1]) * np.diff(fine))])
+
+    need = float(total(0.0)[-1])
+    if need > cells:
+        raise InvalidInput(
+            f"{cells} cells are too few for the spacing at the edges; give {need:.0f}", parameter="around"
+        )
+    low, high = 0.0, float(cells)
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if total(middle)[-1] < cells else (low, middle)
+    share = total(high)
+    return share / share[-1]
 
 
 def _shared_out(cells: int, weights: np.ndarray) -> np.ndarray:
@@ -163,15 +177,3 @@ def _shared_out(cells: int, weights: np.ndarray) -> np.ndarray:
     counts = np.floor(exact).astype(int)
     counts[np.argsort(counts - exact, kind="stable")[: cells - len(weights) - counts.sum()]] += 1
     return counts + 1
-
-
-def _along(length: np.ndarray, points: np.ndarray, at: np.ndarray, *, periodic: bool) -> np.ndarray:
-    """Points at lengths ``at`` of a smooth stretch, the first being the stretch's first."""
-    from scipy.interpolate import CubicSpline  # half a second, which not every start should take
-
-    if len(points) < 4:
-        new = np.column_stack([np.interp(at, length, x) for x in points.T])
-    else:
-        new = CubicSpline(length, points, bc_type="periodic" if periodic else "not-a-knot")(at)
-    new[0] = points[0]
-    return new

@@ -8,7 +8,7 @@ from .elliptic_volume import elliptic_volume
 from .finite_volumes import FiniteVolumes
 from .halo import Halo, with_halo
 from .metrics import Metrics
-from .topologies import o_grid
+from .o_grid import o_grid
 from .transfinite import transfinite
 from .transfinite_volume import transfinite_volume
 from .wall_control import Wall

@@ -12,11 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.curves import arc_length
-from ..sizing.around_loop import accumulated, corners, smoothed_turning, turning
-
-TRAILING = 0.015
-"""Corners this near to the cut, as a fraction of the loop, belong to one (blunt) trailing edge."""
+from ..geometry.curves import arc_length, corners, turning
+from ..geometry.section import TRAILING
+from ..sizing.around_loop import accumulated, smoothed_turning
 
 
 @dataclass(frozen=True)

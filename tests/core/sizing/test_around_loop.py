@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from meshcore import gallery
 from meshcore.errors import InvalidInput
-from meshcore.geometry.curves import polyline
-from meshcore.sizing.around_loop import accumulated, corners, respaced_loop, smoothed_turning, turning
+from meshcore.geometry.curves import corners, polyline, turning
+from meshcore.sizing.around_loop import accumulated, respaced_loop, smoothed_turning
 
 SECTIONS = {name: polyline(gallery.airfoil(name))[:-1, :2] for name in gallery.airfoils()}
 
@@ -97,3 +97,21 @@ def test_a_round_loop_lies_on_its_circle():
 def test_too_few_cells():
     with pytest.raises(InvalidInput, match="4 corners"):
         respaced_loop(gallery.square(2).points[:, :2], 3)
+
+
+@pytest.mark.parametrize("name", gallery.airfoils())
+def test_cells_have_the_sizes_asked_at_the_edges_and_grow_from_there(name):
+    loop = SECTIONS[name]
+    nose = int(np.argmax(np.linalg.norm(loop - loop[0], axis=1)))
+    length = np.concatenate([[0], np.cumsum(np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1))])
+    new = respaced_loop(loop, 240, sizes=[(0.0, 0.001), (length[nose] / length[-1], 0.002)])
+    steps = np.linalg.norm(np.roll(new, -1, axis=0) - new, axis=1)
+    at_nose = int(np.argmin(np.linalg.norm(new - loop[nose], axis=1)))
+    assert steps[0] == pytest.approx(0.001, rel=0.15) and steps[at_nose] == pytest.approx(0.002, rel=0.15)
+    ratio = steps[1:60] / steps[:59]
+    assert ratio.max() < 1.35 and len(new) == 240
+
+
+def test_too_few_cells_for_the_sizes():
+    with pytest.raises(InvalidInput, match=r"around: 40 cells are too few for the spacing at the edges; give \d+"):
+        respaced_loop(SECTIONS["rae2822"], 40, sizes=[(0.0, 1e-6)])

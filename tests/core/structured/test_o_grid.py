@@ -131,6 +131,23 @@ def test_repeated_points_are_left_out_with_a_warning():
     assert grid.cell_shape[0] == 12 and "1 repeated" in report.warnings[0]
 
 
+def test_what_is_cleaned_is_told():
+    loop = polyline(gallery.airfoil("naca0012"))
+    _, report = mc.o_grid(loop[:-1])  # the base is missing
+    assert "open by 0.00252" in report.warnings[0]
+    _, report = mc.o_grid(loop[::-1])
+    assert report.warnings == ["the section runs clockwise; it was turned"]
+
+
+def test_a_crossing_says_where():
+    with pytest.raises(InvalidGeometry, match=r"near \(0.857143, 0.857143\)") as caught:
+        mc.o_grid(np.array([[0, 0], [2, 2], [2, 0], [0, 1.5], [0, 0]]))
+    assert sorted(caught.value.points) == [0, 1, 2, 3]
+    touching = np.array([[0, 0], [4, 0], [4, 4], [2, 0], [0, 4], [0, 0.0]])
+    with pytest.raises(InvalidGeometry, match="touches itself at point 3"):
+        mc.o_grid(touching)
+
+
 def bay():
     """A ring with a narrow mouth: no straight ray leads out of it."""
     outer = np.radians(np.linspace(20, 340, 33))
@@ -155,7 +172,7 @@ CIRCLE = polyline(gallery.circle(12))
         (CIRCLE + 0.1 * CIRCLE[:, [2, 2, 0]] ** 2, {}, InvalidGeometry, "planar"),
         (gallery.joined(gallery.circle(12), gallery.circle(6)), {}, InvalidGeometry, "one chain"),
         (bay(), {}, GenerationFailed, "folded"),
-        (np.array([[0, 0], [2, 2], [2, 0], [0, 1.5], [0, 0]]), {}, GenerationFailed, "folded"),
+        (np.array([[0, 0], [2, 2], [2, 0], [0, 1.5], [0, 0]]), {}, InvalidGeometry, "crosses itself near"),
         (CIRCLE, {"radius": 0.5}, InvalidInput, "radius: must be at least 1"),
         (CIRCLE, {"first_height": 0.0}, InvalidInput, "first_height"),
         (CIRCLE, {"first_height": 15.0}, InvalidInput, "first_height: is 15"),

@@ -6,19 +6,19 @@ from typing import Annotated
 
 import numpy as np
 
-from ..errors import InvalidGeometry, InvalidInput
-from ..geometry.curves import Curve, chains, is_closed, polyline
-from ..geometry.plane import fitted_plane
-from ..mesh import Mesh, StructuredGrid
+from ..errors import InvalidInput
+from ..geometry.curves import Curve
+from ..mesh import StructuredGrid
 from ..operation import Length, Param, Port, Relative, absolute, operation
 from ..progress import Progress, advance, silent
 from ..quality import summary, validate
 from ..report import Report, Result
 from ..sizing import cells_for_growth, geometric
-from ..sizing.around_loop import respaced_loop, turning
+from ..sizing.around_loop import respaced_loop
 from .folds import refuse_folds
-from .limits import check_extent, check_size
+from .limits import check_size
 from .rays import Section, at_height, paths, ray_directions, to_circle
+from .section_input import section_loop
 
 _CURE = "make the section smoother or less re-entrant, move the far field, or give more points around it"
 _WIDTHS = (0.03, 0.06, 0.12)
@@ -111,7 +111,8 @@ def o_grid(
     >>> grid, grid.names["jmin"]
     (StructuredGrid(25 x 9 points), 'wall')
     """
-    loop, diagonal, plane, warnings = _loop(section, cut)
+    given = section_loop(section)
+    loop, diagonal, plane, warnings = given.begun_at(cut), given.diagonal, given.plane, given.warnings
     if around is not None:
         check_size(around + 1, (layers or 1) + 1, parameter="around")
         loop = respaced_loop(loop, around)
@@ -130,39 +131,6 @@ def o_grid(
         "layers": grid.cell_shape[1],
     }
     return Result(grid, Report(counts=counts, quality={**summary(grid), "largest growth": ratio}, warnings=warnings))
-
-
-def _loop(curve: Curve, cut: int):
-    """(n, 2) points of the section counter-clockwise from its cut, its diagonal, its plane, and warnings."""
-    points = polyline(curve, "section")
-    if not is_closed(points):
-        raise InvalidGeometry("is open; close the loop", parameter="section", points=(0, len(points) - 1))
-    # Points are numbered as the user numbers them: in a mesh, not in the order of the chain.
-    lines = isinstance(curve, Mesh) and len(curve.get("line"))
-    number = chains(curve)[0][:-1] if lines else np.arange(len(points) - 1)
-    points = points[:-1]
-    fresh = (points != np.roll(points, 1, axis=0)).any(axis=1)
-    repeats = int((~fresh).sum())
-    warnings = [f"{repeats} repeated points of the section were left out"] if repeats else []
-    points, number = points[fresh], number[fresh]
-    if len(points) < 3:
-        raise InvalidGeometry(f"needs at least three different points, got {len(points)}", parameter="section")
-    diagonal = check_extent(points, parameter="section")
-    plane = fitted_plane(points, parameter="section")
-    loop = plane.to_plane(points)
-    x, y = (loop - loop[0]).T
-    double_area = float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum())
-    if abs(double_area) <= 1e-12 * diagonal**2:
-        raise InvalidGeometry(f"encloses no area (extent {diagonal:.6g}); give a simple loop", parameter="section")
-    if double_area < 0:
-        loop, number = loop[::-1], number[::-1]
-    if cut == -1:
-        start = int(np.argmax(turning(loop)))
-    elif cut in number:
-        start = int(np.flatnonzero(number == cut)[0])
-    else:
-        raise InvalidInput(f"{cut} is no point of the section; -1 finds the sharpest", parameter="cut")
-    return np.roll(loop, -start, axis=0), diagonal, plane, warnings
 
 
 def _chord(loop: np.ndarray) -> tuple[float, np.ndarray]:

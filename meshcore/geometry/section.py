@@ -1,0 +1,156 @@
+"""Closed sections, such as airfoils: trailing edge, nose and chord found by themselves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from ..errors import InvalidGeometry
+from .curves import arc_length, corners, turning
+
+TRAILING = 0.015
+"""Corners this near to each other, as a fraction of the loop, belong to one (blunt) trailing edge."""
+CUSP = np.radians(3.0)
+"""Angle between the two sides below which a trailing edge is a cusp."""
+Edge = Literal["sharp", "cusped", "blunt", "round"]
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """A counter-clockwise loop that begins at its trailing edge, and what it has.
+
+    ::
+
+                    .------.__ first side        edge "sharp" or "cusped": loop[0] is the trailing edge
+          nose  -> (          `--..  0           "blunt": loop[0] is the base's upper corner, loop[lower] the other,
+                    `---------------' lower       and what follows, back to loop[0], is the base
+                      second side                 "round": there is no corner; loop[0] is where it turns most
+
+    Parameters
+    ----------
+    loop : (n, 2) float
+        Different points; the last is joined to the first.
+    lower : int
+        Number of the point where the second side ends; n, meaning loop[0] again, unless the edge is blunt.
+    edge : {"sharp", "cusped", "blunt", "round"}
+        What the trailing edge is.
+    """
+
+    loop: np.ndarray
+    lower: int
+    edge: Edge
+
+    @classmethod
+    def of(cls, loop: np.ndarray) -> Section:
+        """The section of a loop in any direction that begins anywhere.
+
+        Raises
+        ------
+        InvalidGeometry
+            If it has no area.
+
+        Examples
+        --------
+        >>> wedge = Section.of(np.array([[0.0, 0.1], [0, -0.1], [1, -0.01], [1, 0.01]]))
+        >>> wedge.edge, wedge.loop[0].tolist(), wedge.lower, wedge.tail.tolist()
+        ('blunt', [1.0, 0.01], 3, [1.0, 0.0])
+        """
+        loop = np.asarray(loop, float)
+        area = doubled_area(loop)
+        if area == 0:
+            raise InvalidGeometry("encloses no area", parameter="section")
+        loop = loop if area > 0 else loop[::-1]
+        turn = turning(loop)
+        convex = corners(turn) & (turn > 0)
+        if not convex.any():
+            return cls(np.roll(loop, -int(np.argmax(turn)), axis=0), len(loop), "round")
+        first, last = _base(loop, turn, np.flatnonzero(convex))
+        loop = np.roll(loop, -last, axis=0)
+        if first != last:
+            return cls(loop, (first - last) % len(loop), "blunt")
+        cusped = np.pi - turn[last] < CUSP
+        return cls(loop, len(loop), "cusped" if cusped else "sharp")
+
+    @cached_property
+    def tail(self) -> np.ndarray:
+        """(2,) float: the trailing edge, or the middle of its base."""
+        return 0.5 * (self.loop[0] + self.loop[self.lower % len(self.loop)])
+
+    @cached_property
+    def base(self) -> float:
+        """Width of a blunt trailing edge, else 0."""
+        return float(np.linalg.norm(self.loop[0] - self.loop[self.lower % len(self.loop)]))
+
+    @cached_property
+    def nose_index(self) -> int:
+        """Number of the point that is farthest from the trailing edge."""
+        return int(np.argmax(np.linalg.norm(self.loop - self.tail, axis=1)))
+
+    @cached_property
+    def nose(self) -> np.ndarray:
+        """(2,) float: that point."""
+        return self.loop[self.nose_index]
+
+    @cached_property
+    def chord(self) -> float:
+        """Distance from nose to trailing edge."""
+        return float(np.linalg.norm(self.tail - self.nose))
+
+    @cached_property
+    def direction(self) -> np.ndarray:
+        """(2,) float: unit vector from nose to trailing edge."""
+        return (self.tail - self.nose) / self.chord
+
+    @cached_property
+    def bisector(self) -> np.ndarray:
+        """(2,) float: unit vector between the directions in which the two sides leave the trailing edge."""
+        n = len(self.loop)
+        upper = self.loop[0] - self.loop[1]
+        lower = self.loop[self.lower % n] - self.loop[(self.lower - 1) % n]
+        sum_ = upper / np.linalg.norm(upper) + lower / np.linalg.norm(lower)
+        size = float(np.linalg.norm(sum_))
+        return sum_ / size if size > 1e-6 else self.direction
+
+    @cached_property
+    def nose_radius(self) -> float:
+        """Radius of the circle that turns as the section does about its nose, over 2 % of the chord each way."""
+        closed = np.vstack([self.loop, self.loop[:1]])
+        at = arc_length(closed)
+        offset = at[:-1] - at[self.nose_index]
+        turn = turning(self.loop)
+        window = 0.02 * self.chord
+        near = np.flatnonzero(np.abs(offset) <= window)
+        while len(near) < 3 and window < self.chord:
+            window *= 1.5
+            near = np.flatnonzero(np.abs(offset) <= window)
+        turned = float(turn[near].sum())
+        first, last = near[0], near[-1]
+        length = 0.5 * (at[last + 1] + at[last] - at[first] - at[max(first - 1, 0)])
+        return min(length / max(turned, 1e-3), 0.5 * self.chord)
+
+
+def doubled_area(loop: np.ndarray) -> float:
+    """Twice the area of a closed loop, positive counter-clockwise.
+
+    Examples
+    --------
+    >>> doubled_area(np.array([[0.0, 0], [1, 0], [0, 1]]))
+    1.0
+    """
+    x, y = (loop - loop[0]).T
+    return float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum())
+
+
+def _base(loop: np.ndarray, turn: np.ndarray, convex: np.ndarray) -> tuple[int, int]:
+    """First and last corner, going round, of the trailing edge: the group of convex corners that turns most."""
+    length = arc_length(np.vstack([loop, loop[:1]]))
+    offset = (length[convex] - length[convex][:, None]) / length[-1]
+    offset = (offset + 0.5) % 1.0 - 0.5
+    together = (np.abs(offset) < TRAILING) @ turn[convex]
+    sharpest = np.flatnonzero(together > together.max() - 1e-9)
+    own = offset[sharpest[np.argmax(turn[convex][sharpest])]]
+    near = np.flatnonzero(np.abs(own) < TRAILING)
+    return int(convex[near[np.argmin(own[near])]]), int(convex[near[np.argmax(own[near])]])

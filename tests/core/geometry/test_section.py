@@ -1,0 +1,52 @@
+"""Sections: their trailing edges, noses and chords."""
+
+import numpy as np
+import pytest
+
+from meshcore import gallery
+from meshcore.errors import InvalidGeometry
+from meshcore.geometry.curves import polyline
+from meshcore.geometry.section import Section
+
+
+def joukowski(n=80, offset=-0.1 + 0.08j):
+    """A section with a cusp at x = 2."""
+    radius = abs(1 - offset)
+    start = np.angle(1 - offset)
+    z = offset + radius * np.exp(1j * (start + 2 * np.pi * np.arange(n) / n))
+    z[0] = 1
+    w = z + 1 / z
+    return np.column_stack([w.real, w.imag])
+
+
+@pytest.mark.parametrize(
+    ("loop", "edge"),
+    [
+        (polyline(gallery.airfoil("rae2822"))[:-1, :2], "sharp"),
+        (polyline(gallery.airfoil("naca0012"))[:-1, :2], "blunt"),
+        (joukowski(200), "cusped"),
+        (gallery.circle(24).points[:, :2], "round"),
+    ],
+)
+@pytest.mark.parametrize("start", [0, 17])
+@pytest.mark.parametrize("way", [1, -1])
+def test_trailing_edges_are_found_from_anywhere_in_any_direction(loop, edge, start, way):
+    section = Section.of(np.roll(loop, start, axis=0)[::way])
+    assert section.edge == edge
+    if edge != "round":
+        right = loop[:, 0].max()
+        assert section.tail[0] == pytest.approx(right) and section.chord == pytest.approx(np.ptp(loop[:, 0]), rel=5e-3)
+        assert section.bisector @ [1, 0] > 0.98 and section.direction @ [1, 0] > 0.99
+    if edge == "blunt":
+        assert section.base == pytest.approx(0.00252) and section.loop[0, 1] > 0 > section.loop[section.lower, 1]
+
+
+def test_the_radius_of_a_nose():
+    section = Section.of(polyline(gallery.airfoil("naca0012"))[:-1, :2])
+    assert section.nose_radius == pytest.approx(1.1019 * 0.12**2, rel=0.7)  # of the middle of a wider part
+    assert Section.of(gallery.circle(60).points[:, :2]).nose_radius == pytest.approx(1, rel=0.05)
+
+
+def test_a_flat_loop_is_none():
+    with pytest.raises(InvalidGeometry, match="no area"):
+        Section.of(np.array([[0.0, 0], [1, 0], [2, 0]]))
