@@ -677,3 +677,50 @@ def tangential_defects(points, tangents):
         left -= 2 * (by_i @ by_j) * (p[2, 2] - p[2, 0] - p[0, 2] + p[0, 0]) / 4
         defects[i, j] = np.linalg.lstsq(np.stack([t[i, j] for t in tangents], axis=-1), left, rcond=None)[0]
     return defects
+
+
+def corners_of_hexahedra(points):
+    """For each cell of a block and each of its corners: the node, and the three nodes beside it along i, j and k."""
+    for cell in itertools.product(*(range(n - 1) for n in points.shape[:3])):
+        for bits in itertools.product((0, 1), repeat=3):
+            node = tuple(np.add(cell, bits))
+            beside = [tuple(np.add(node, (1 - 2 * bits[d]) * np.eye(3, dtype=int)[d])) for d in range(3)]
+            yield cell, bits, node, beside
+
+
+def moves_freely(shape, node, beside):
+    """Whether one of the nodes of a corner is inside the block."""
+    return any(all(0 < k < n - 1 for k, n in zip(p, shape, strict=False)) for p in (node, *beside))
+
+
+def barrier_functional(points, lengths, delta):
+    """Sum of ``|edges|^3 / h(J)`` over corners with a free node, edges by ``lengths``; and the least J."""
+    total, least = 0.0, np.inf
+    for cell, bits, node, beside in corners_of_hexahedra(points):
+        if moves_freely(points.shape, node, beside):
+            edges = np.array([(points[p] - points[node]) / lengths[d][cell[d]] for d, p in enumerate(beside)])
+            volume = np.linalg.det(edges) * np.prod(1 - 2 * np.array(bits))
+            least = min(least, volume)
+            total += np.linalg.norm(edges) ** 3 / (0.5 * (volume + np.sqrt(volume**2 + 4 * delta**2)))
+    return total, least
+
+
+def weak_hexahedra(points, sine, free=True):
+    """Cells with a corner, free or not, whose scaled Jacobian is no more than ``sine``."""
+    weak = np.zeros(tuple(n - 1 for n in points.shape[:3]), bool)
+    for cell, bits, node, beside in corners_of_hexahedra(points):
+        edges = np.array([points[p] - points[node] for p in beside])
+        volume = np.linalg.det(edges) * np.prod(1 - 2 * np.array(bits))
+        if moves_freely(points.shape, node, beside) == free:
+            weak[cell] |= not volume > sine * np.prod(np.linalg.norm(edges, axis=1))
+    return weak
+
+
+def quasi_newton_step(slope, steps, changes):
+    """The BFGS approximation of the inverse Hessian, as a matrix, times the slope."""
+    s, y = steps[-1], changes[-1]
+    inverse = np.eye(len(slope)) * (s @ y) / (y @ y)
+    for s, y in zip(steps, changes, strict=True):
+        project = np.eye(len(slope)) - np.outer(y, s) / (y @ s)
+        inverse = project.T @ inverse @ project + np.outer(s, s) / (y @ s)
+    return inverse @ slope

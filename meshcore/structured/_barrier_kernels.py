@@ -3,6 +3,7 @@
 import math
 
 from .._numba import kernel
+from ._descent_kernels import ENOUGH, FLAT, SHORTENINGS, find_way, remember
 
 HUGE = 1e300
 
@@ -49,22 +50,6 @@ def functional(r, along_i, along_j, sign, delta, gradient):
 
 
 @kernel
-def inner(a, b):
-    """Inner product."""
-    total = 0.0
-    for k in range(a.size):
-        total += a[k] * b[k]
-    return total
-
-
-@kernel
-def combine(target, keep, share, other):
-    """target = keep target + share other, without an array between."""
-    for k in range(target.size):
-        target[k] = keep * target[k] + share * other[k]
-
-
-@kernel
 def slope_inside(r, along_i, along_j, sign, delta, scale, gradient, slope):
     """`functional`, and its gradient by the points inside in units of ``scale``."""
     value, least = functional(r, along_i, along_j, sign, delta, gradient)
@@ -92,49 +77,28 @@ def move_inside(r, way, step, scale):
 def minimise(r, along_i, along_j, sign, delta, scale, gradient, vectors, steps, changes, shares, most):
     """Limited-memory BFGS with back-tracking, on the points inside; returns the least J.
 
-    J. Nocedal, S. J. Wright, "Numerical Optimization" (2006), algorithms 7.4 and 7.5. ``vectors`` is room for slope,
-    new slope and way, ``steps`` and ``changes`` for what is remembered, ``shares`` for their coefficients.
+    ``vectors`` is room for slope, new slope and way, the rest for what `_descent_kernels` remembers.
     """
     slope, new_slope, way = vectors[0], vectors[1], vectors[2]
-    window = len(steps)
     value, least = slope_inside(r, along_i, along_j, sign, delta, scale, gradient, slope)
     known = 0
     for _ in range(most):
-        combine(way, 0.0, 1.0, slope)
-        for k in range(known - 1, max(known - window, 0) - 1, -1):
-            s, y = steps[k % window], changes[k % window]
-            shares[k % window] = inner(s, way) / inner(s, y)
-            combine(way, 1.0, -shares[k % window], y)
-        if known:
-            s, y = steps[(known - 1) % window], changes[(known - 1) % window]
-            combine(way, inner(s, y) / inner(y, y), 0.0, way)
-        else:
-            combine(way, 0.1 / (math.sqrt(inner(slope, slope)) + 1e-300), 0.0, way)
-        for k in range(max(known - window, 0), known):
-            s, y = steps[k % window], changes[k % window]
-            combine(way, 1.0, shares[k % window] - inner(y, way) / inner(s, y), s)
-        descent = -inner(way, slope)
+        descent = find_way(slope, steps, changes, known, shares, way)
         if not descent < 0:
             return least
         length, moved = 1.0, 0.0
-        for _ in range(30):
+        for _ in range(SHORTENINGS):
             move_inside(r, way, moved - length, scale)
             moved = length
             new_value, least = slope_inside(r, along_i, along_j, sign, delta, scale, gradient, new_slope)
-            if new_value <= value + 1e-4 * length * descent:
+            if new_value <= value + ENOUGH * length * descent:
                 break
             length *= 0.5
         else:
             move_inside(r, way, moved, scale)
             return slope_inside(r, along_i, along_j, sign, delta, scale, gradient, slope)[1]
-        s, y = steps[known % window], changes[known % window]
-        combine(s, 0.0, -length, way)
-        combine(y, 0.0, 1.0, new_slope)
-        combine(y, 1.0, -1.0, slope)
-        combine(slope, 0.0, 1.0, new_slope)
-        if inner(s, y) > 1e-12 * inner(y, y):
-            known += 1
-        if value - new_value <= 1e-9 * value:
+        known = remember(length, way, slope, new_slope, steps, changes, known)
+        if value - new_value <= FLAT * value:
             return least
         value = new_value
     return least

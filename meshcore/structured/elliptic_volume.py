@@ -16,7 +16,9 @@ from ..quality import measure, summary, validate
 from ..report import Report, Result
 from ..threads import checked_threads
 from . import winslow_3d, winslow_surface
-from .block_problem import AskedOfBlock, solved
+from .block_corners import refuse_corners
+from .block_problem import AskedOfBlock
+from .block_unfolding import sound
 from .control_functions import ControlFunction, from_boundary, from_user
 from .elliptic_parameters import (
     FaceWallsParam,
@@ -34,7 +36,6 @@ from .wall_control import Wall
 from .wall_faces import mismatch, respaced
 
 Control = Literal["none", "boundary spacing"]
-_HALVINGS = 3  # of control functions that fold the grid
 _MISMATCH = 1.5  # between first heights at walls and on the faces around them, from which it is told
 _FACES = {"kept": 0.01, "smoothed": 0.2, "respaced": 0.02}  # and what part of the time they take
 
@@ -121,17 +122,22 @@ def elliptic_volume(
     InvalidInput, InvalidGeometry
         If the block is a surface, or is no block; the message says what is missing.
     GenerationFailed
-        If cells are folded, as at corners of the boundary beyond 180 degrees; `cells` are these, `partial` the grid.
+        If the boundary turns by 180 degrees or more at an edge, which is named, or cells stay folded for other reasons,
+        such as a boundary that crosses itself; `cells` are these, `partial` the grid.
 
     Notes
     -----
+    Nonlinear multigrid with zebra lines in three directions: work grows like the number of points. Cells that the
+    discrete equations leave folded, as beside bulbs of few cells, are unfolded by minimising the distortion of cells
+    with a barrier on the patch around them; the report tells how many.
+
     Angles and heights at walls are not judged at three nodes and two first heights beside the edges of a face, nor at
     two first heights beside its creases: lines must turn there to those of the next face, which stay as they are.
 
     References
     ----------
     Survey, section 2.6. J. F. Thompson, Z. U. A. Warsi, C. W. Mastin, "Numerical Grid Generation" (1985).
-    J. L. Steger, R. L. Sorenson, J. Comput. Phys. 33 (1979).
+    J. L. Steger, R. L. Sorenson, J. Comput. Phys. 33 (1979). V. A. Garanzha, Comput. Math. Math. Phys. 40 (2000).
 
     Examples
     --------
@@ -161,16 +167,8 @@ def elliptic_volume(
         points = _filled(respaced(points, asked.walls))
     filled = _filled(points)
     growth = _growth(filled, control, control_functions)
-    # If cells are folded, another start may lead to another solution; and weaker control folds less.
-    tries = [(points, 1.0), (filled, 1.0)] + [(filled, 0.5**k) for k in range(1, _HALVINGS + 1) if growth is not None]
-    for number, (inside, strength) in enumerate(tries):
-        span = [1 - (1 - part) * 0.5**k for k in (number, number + 1)]
-        weakened = growth if growth is None else strength * growth
-        found = solved(inside, weakened, asked, part_of(progress, *span))
-        if not winslow_3d.count_folded(found.points):
-            if strength < 1:
-                warnings.append(f"control acts with {strength:g} of its strength: with more of it cells would fold")
-            break
+    refuse_corners(start.with_points(filled), free=[wall.side for wall in asked.walls if wall.slides])
+    found = sound(points, filled, growth, asked, part_of(progress, part, 1.0))
     if not found.converged and (factor := mismatch(found.points, asked.walls)) > _MISMATCH:
         warnings.append(
             f"on the faces around walls, first cells are up to {factor:.2g} times as high or low as asked: inside they "
@@ -246,8 +244,8 @@ def _refuse_folds(grid: StructuredGrid) -> None:
     x, y, z = grid.points[i, j, k]
     raise GenerationFailed(
         f"{len(folded)} of {grid.n_cells} cells are folded or flat, the first at i = {i}, j = {j}, k = {k} "
-        f"near ({x:.6g}, {y:.6g}, {z:.6g}); smooth the faces, move their points apart, take more cells, or cut the "
-        "block where its boundary turns by 180 degrees or more",
+        f"near ({x:.6g}, {y:.6g}, {z:.6g}); look whether faces cross each other or are folded themselves there, "
+        "smooth them, or take more cells",
         cells=folded,
         partial=grid,
     )

@@ -93,7 +93,8 @@ def test_control_that_folds_cells_is_weakened():
     grid, report = mc.elliptic_volume(
         StructuredGrid(start), control_functions=(pull, 0, 0), progress=lambda done, message: seen.append(done)
     )
-    assert "with 0.25 of its strength" in report.warnings[0]
+    assert "with 0.5 of its strength" in report.warnings[0]
+    assert "cells that the discrete equations leave folded were unfolded" in report.warnings[1]
     assert seen == sorted(seen)
     assert (quality.measure(grid, "jacobian") > 0).all()
 
