@@ -1246,6 +1246,148 @@ class meshcoreEllipticSmoothing(Operation):
 
 
 
+@smproxy.filter(name="meshcoreHyperbolicGrid", label="meshcore Hyperbolic Grid", support_reload=False)
+@smhint.xml('<ShowInMenu category="meshcore"/>')
+@smproperty.xml(
+    """
+    <Documentation short_help="Hyperbolic Grid">March layers of quadrilaterals off a curve, at right angles and with
+    given heights.</Documentation>
+    <InputProperty name="Input" label="Front" port_index="0" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>The curve to march off: line cells in one chain, open or closed, in a plane.</Documentation>
+    </InputProperty>
+    <InputProperty name="FirstCurve" label="First Curve" port_index="1" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Curve that the first point follows, if its end asks for it.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
+    <InputProperty name="LastCurve" label="Last Curve" port_index="2" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Curve that the last point follows, if its end asks for it.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
+    <DoubleVectorProperty name="FirstHeight" label="First Height" command="SetFirstHeight" number_of_elements="1" default_values="-1" panel_visibility="default">
+      <BoundsDomain name="range" mode="scaled_extent" scale_factor="0.001"><RequiredProperties><Property name="Input" function="Input"/></RequiredProperties></BoundsDomain>
+      <Documentation>Height of the first layer; -1 takes 0.1% of the diagonal of the input's bounding
+      box.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="Growth" label="Growth" command="SetGrowth" number_of_elements="1" default_values="1.15" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="1" max="3"/>
+      <Documentation>Height of each layer over the one before.</Documentation>
+    </DoubleVectorProperty>
+    <IntVectorProperty name="Layers" label="Layers" command="SetLayers" number_of_elements="1" default_values="0" panel_visibility="default">
+      <IntRangeDomain name="range" min="0" max="500"/>
+      <Documentation>Layers; by default as many as the distance needs; 0 leaves it out.</Documentation>
+    </IntVectorProperty>
+    <DoubleVectorProperty name="Distance" label="Distance" command="SetDistance" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Sum of the heights; by default the front's own size, or what layers make; 0 leaves it
+      out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="LargestHeight" label="Largest Height" command="SetLargestHeight" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Heights grow up to this; by default without limit; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <IntVectorProperty name="OtherSide" label="Other Side" command="SetOtherSide" number_of_elements="1" default_values="0" panel_visibility="default">
+      <BooleanDomain name="bool"/>
+      <Documentation>March to the other side: into a closed front, or to the right of an open one.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="FirstEnd" label="First End" command="SetFirstEnd" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="free"/><Entry value="1" text="plane"/><Entry value="2" text="constant x"/><Entry value="3" text="constant y"/><Entry value="4" text="curve"/><Entry value="5" text="splay"/></EnumerationDomain>
+      <Documentation>What the open front's first point does: go freely, meet a plane of symmetry, keep x or y, follow
+      a curve, lean out.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="LastEnd" label="Last End" command="SetLastEnd" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="free"/><Entry value="1" text="plane"/><Entry value="2" text="constant x"/><Entry value="3" text="constant y"/><Entry value="4" text="curve"/><Entry value="5" text="splay"/></EnumerationDomain>
+      <Documentation>What the open front's last point does: go freely, meet a plane of symmetry, keep x or y, follow a
+      curve, lean out.</Documentation>
+    </IntVectorProperty>
+    <DoubleVectorProperty name="Splay" label="Splay" command="SetSplay" number_of_elements="1" default_values="15.0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0" max="80"/>
+      <Documentation>By how much ends that splay lean outwards, in degrees.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="Smoothing" label="Smoothing" command="SetSmoothing" number_of_elements="1" default_values="0.3" panel_visibility="advanced">
+      <DoubleRangeDomain name="range" min="0" max="2"/>
+      <Documentation>Dissipation in units of the cells' aspect ratio.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="Implicitness" label="Implicitness" command="SetImplicitness" number_of_elements="1" default_values="0.0" panel_visibility="advanced">
+      <DoubleRangeDomain name="range" min="0" max="4"/>
+      <Documentation>How far the equations look ahead beyond the next layer.</Documentation>
+    </DoubleVectorProperty>
+    <PropertyGroup label="Layers">
+      <Property name="FirstHeight"/>
+      <Property name="Growth"/>
+      <Property name="Layers"/>
+      <Property name="Distance"/>
+      <Property name="LargestHeight"/>
+    </PropertyGroup>
+    <PropertyGroup label="Parameters">
+      <Property name="OtherSide"/>
+    </PropertyGroup>
+    <PropertyGroup label="Ends">
+      <Property name="FirstEnd"/>
+      <Property name="LastEnd"/>
+      <Property name="Splay"/>
+    </PropertyGroup>
+    <PropertyGroup label="Advanced">
+      <Property name="Smoothing"/>
+      <Property name="Implicitness"/>
+    </PropertyGroup>
+    """
+)
+class meshcoreHyperbolicGrid(Operation):
+    operation = "hyperbolic"
+    label = "meshcore Hyperbolic Grid"
+    ports = (("front", "lines", False), ("first_curve", "lines", True), ("last_curve", "lines", True))
+    output = "vtkStructuredGrid"
+
+    def SetFirstHeight(self, value):
+        self.set("first_height", value if value > 0 else BY_DEFAULT)
+
+    def SetGrowth(self, value):
+        self.set("growth", value)
+
+    def SetLayers(self, value):
+        self.set("layers", value or None)
+
+    def SetDistance(self, value):
+        self.set("distance", value or None)
+
+    def SetLargestHeight(self, value):
+        self.set("largest_height", value or None)
+
+    def SetOtherSide(self, value):
+        self.set("other_side", bool(value))
+
+    def SetFirstEnd(self, value):
+        self.set("first_end", ('free', 'plane', 'constant x', 'constant y', 'curve', 'splay')[value])
+
+    def SetLastEnd(self, value):
+        self.set("last_end", ('free', 'plane', 'constant x', 'constant y', 'curve', 'splay')[value])
+
+    def SetSplay(self, value):
+        self.set("splay", value)
+
+    def SetSmoothing(self, value):
+        self.set("smoothing", value)
+
+    def SetImplicitness(self, value):
+        self.set("implicitness", value)
+
+
+
 @smproxy.filter(name="meshcoreOGrid", label="meshcore O Grid", support_reload=False)
 @smhint.xml('<ShowInMenu category="meshcore"/>')
 @smproperty.xml(

@@ -1,4 +1,4 @@
-"""Structured grids: transfinite interpolation, elliptic equations, block topologies, and operators on curved grids."""
+"""Structured grids: transfinite interpolation, elliptic and hyperbolic equations, topologies, curved operators."""
 
 from .control_functions import Attractor
 from .curvilinear import Curvilinear
@@ -7,6 +7,7 @@ from .elliptic_smoothing import elliptically_smoothed
 from .elliptic_volume import elliptic_volume
 from .finite_volumes import FiniteVolumes
 from .halo import Halo, with_halo
+from .hyperbolic import hyperbolic
 from .metrics import Metrics
 from .o_grid import o_grid
 from .transfinite import transfinite
@@ -23,6 +24,7 @@ __all__ = [
     "elliptic",
     "elliptic_volume",
     "elliptically_smoothed",
+    "hyperbolic",
     "o_grid",
     "transfinite",
     "transfinite_volume",

@@ -1,0 +1,81 @@
+"""Slow and obvious twins of the marching kernels: dense systems, one point after the other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tests import naive
+
+
+def dense_block_solution(lower, diagonal, upper, right, closed):
+    """The solution (n, 2) of a block tridiagonal system, its blocks (n, 4), put into one dense matrix."""
+    n = len(right)
+    matrix = np.zeros((2 * n, 2 * n))
+    for k in range(n):
+        for blocks, to in ((lower, k - 1), (diagonal, k), (upper, k + 1)):
+            if closed or 0 <= to < n:
+                to %= n
+                matrix[2 * k : 2 * k + 2, 2 * to : 2 * to + 2] += blocks[k].reshape(2, 2)
+    return np.linalg.solve(matrix, right.ravel()).reshape(n, 2)
+
+
+def tangents(front):
+    """Unit tangents and spacings at the points of a closed front.
+
+    A tangent lies between that of the parabola through three points and the bisector, which it is where the front turns
+    by half a radian.
+    """
+    before, after = front - np.roll(front, 1, axis=0), np.roll(front, -1, axis=0) - front
+    b, a = np.linalg.norm(before, axis=1)[:, None], np.linalg.norm(after, axis=1)[:, None]
+    ub, ua = before / b, after / a
+    share = np.minimum(1.0, np.arccos(np.clip((ub * ua).sum(axis=1), -1, 1)) / 0.5)[:, None]
+    t = share * (ub + ua) + (1 - share) * 2 * (ub * a + ua * b) / (a + b)
+    return t / np.linalg.norm(t, axis=1)[:, None], 0.5 * (a + b)[:, 0]
+
+
+def hyperbolic_step(front, height, base):
+    """The next layer of a smooth closed front that is nowhere concave or sharp, by one dense system."""
+    n = len(front)
+    t, s = tangents(front)
+    normal = np.column_stack([-t[:, 1], t[:, 0]])
+    matrix, right = np.zeros((n, 2, n, 2)), np.zeros((n, 2))
+    bend = 2 * np.pi / n
+    half = 2 * np.sin(0.5 * bend)
+    for k in range(n):
+        after, before = (k + 1) % n, (k - 1) % n
+        eps = base * height / s[k]
+        second = front[after] - 2 * front[k] + front[before]
+        c = height / s[k] * (np.outer(t[k], normal[k]) + np.outer(normal[k], t[k]))
+        matrix[k, :, k] += np.eye(2) * (1 + 2 * eps)
+        matrix[k, :, after] += 0.5 * c - eps * np.eye(2)
+        matrix[k, :, before] += -0.5 * c - eps * np.eye(2)
+        ahead = height / s.mean()
+        forward = height * (1 + ahead * np.sin(bend) + base * half * (1 + ahead * half))
+        right[k] = forward * normal[k] + eps * second
+    d = np.linalg.solve(matrix.reshape(2 * n, 2 * n), right.ravel()).reshape(n, 2)
+    return front + d
+
+
+def crossings(front, closed):
+    """Whether two edges of a front that do not touch each other cross."""
+    n = len(front)
+    edges = [(k, (k + 1) % n) for k in range(n if closed else n - 1)]
+    for i, (a, b) in enumerate(edges):
+        for c, d in edges[i + 1 :]:
+            if len({a, b, c, d}) == 4 and _cross(*front[[a, b, c, d]]):
+                return True
+    return False
+
+
+def _cross(a, b, c, d):
+    def side(p, q, r):
+        return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
+
+    return side(a, b, c) * side(a, b, d) < 0 and side(c, d, a) * side(c, d, b) < 0
+
+
+def sound(points, closed):
+    """Whether all corners of the cells of points (n, m, 2) turn left, and the outermost front does not cross itself."""
+    grid = np.concatenate([points, points[:1]]) if closed else points
+    flat = np.concatenate([grid, 0 * grid[..., :1]], axis=2)
+    return bool((naive.cross_areas(flat) > 0).all()) and not crossings(points[:, -1], closed)
