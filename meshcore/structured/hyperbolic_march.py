@@ -123,6 +123,7 @@ def layer_heights(
     >>> layer_heights(1, 3, distance=7).round(6)
     array([1., 2., 4.])
     """
+    first, growth = float(first), float(growth)
     _check(first, growth, largest)
     if distance is None:
         return np.minimum(first * growth ** np.arange(_count(layers)), largest)
