@@ -307,6 +307,10 @@ def arguments(identifier: str) -> tuple[tuple[Any, ...], dict[str, Any]]:
     """
     calls: dict[str, tuple[tuple[Any, ...], dict[str, Any]]] = {
         "hyperbolic": ((airfoil("naca0012"),), {"first_height": 0.002, "growth": 1.25}),
+        "parabolic": (
+            (airfoil("naca0012"), circle(48, radius=2.0, centre=(0.5, 0.0))),
+            {"first_height": 0.004, "growth": 1.25},
+        ),
         "o_grid": ((airfoil("naca0012"),), {"radius": 4.0, "first_height": 0.01, "growth": 1.3}),
         "elliptic_volume": ((dented_box(),), {}),
         "elliptically_smoothed": ((rough_ring(),), {}),

@@ -1467,6 +1467,83 @@ class meshcoreOGrid(Operation):
 
 
 
+@smproxy.filter(name="meshcoreParabolicGrid", label="meshcore Parabolic Grid", support_reload=False)
+@smhint.xml('<ShowInMenu category="meshcore"/>')
+@smproperty.xml(
+    """
+    <Documentation short_help="Parabolic Grid">March layers of quadrilaterals from a curve to an outer curve, and
+    meet it exactly.</Documentation>
+    <InputProperty name="Input" label="Front" port_index="0" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>The curve to march off: line cells in one chain, open or closed, in a plane.</Documentation>
+    </InputProperty>
+    <InputProperty name="Outer" label="Outer" port_index="1" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>The curve to end at, closed round a closed front, in the same plane.</Documentation>
+    </InputProperty>
+    <InputProperty name="FirstSide" label="First Side" port_index="2" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Side from the front's first point to the outer curve.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
+    <InputProperty name="LastSide" label="Last Side" port_index="3" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Side from the front's last point to the outer curve.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
+    <DoubleVectorProperty name="FirstHeight" label="First Height" command="SetFirstHeight" number_of_elements="1" default_values="-1" panel_visibility="default">
+      <BoundsDomain name="range" mode="scaled_extent" scale_factor="0.001"><RequiredProperties><Property name="Input" function="Input"/></RequiredProperties></BoundsDomain>
+      <Documentation>Height of the first layer; -1 takes 0.1% of the diagonal of the input's bounding
+      box.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="Growth" label="Growth" command="SetGrowth" number_of_elements="1" default_values="1.15" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="1.001" max="3"/>
+      <Documentation>Largest growth of heights, that sets the number of layers.</Documentation>
+    </DoubleVectorProperty>
+    <IntVectorProperty name="Layers" label="Layers" command="SetLayers" number_of_elements="1" default_values="0" panel_visibility="default">
+      <IntRangeDomain name="range" min="0" max="500"/>
+      <Documentation>Layers; by default as many as growth needs; 0 leaves it out.</Documentation>
+    </IntVectorProperty>
+    <PropertyGroup label="Layers">
+      <Property name="FirstHeight"/>
+      <Property name="Growth"/>
+      <Property name="Layers"/>
+    </PropertyGroup>
+    """
+)
+class meshcoreParabolicGrid(Operation):
+    operation = "parabolic"
+    label = "meshcore Parabolic Grid"
+    ports = (("front", "lines", False), ("outer", "lines", False), ("first_side", "lines", True), ("last_side", "lines", True))
+    output = "vtkStructuredGrid"
+
+    def SetFirstHeight(self, value):
+        self.set("first_height", value if value > 0 else BY_DEFAULT)
+
+    def SetGrowth(self, value):
+        self.set("growth", value)
+
+    def SetLayers(self, value):
+        self.set("layers", value or None)
+
+
+
 @smproxy.filter(name="meshcoreTransfiniteInterpolation", label="meshcore Transfinite Interpolation", support_reload=False)
 @smhint.xml('<ShowInMenu category="meshcore"/>')
 @smproperty.xml(

@@ -41,16 +41,20 @@ def hyperbolic_step(front, height, base):
     matrix, right = np.zeros((n, 2, n, 2)), np.zeros((n, 2))
     bend = 2 * np.pi / n
     half = 2 * np.sin(0.5 * bend)
+
+    def ramp(aspect):
+        return aspect / (aspect + 0.2)
+
     for k in range(n):
         after, before = (k + 1) % n, (k - 1) % n
-        eps = base * height / s[k]
+        eps = base * height / s[k] * ramp(height / s[k])
         second = front[after] - 2 * front[k] + front[before]
         c = height / s[k] * (np.outer(t[k], normal[k]) + np.outer(normal[k], t[k]))
         matrix[k, :, k] += np.eye(2) * (1 + 2 * eps)
         matrix[k, :, after] += 0.5 * c - eps * np.eye(2)
         matrix[k, :, before] += -0.5 * c - eps * np.eye(2)
         ahead = height / s.mean()
-        forward = height * (1 + ahead * np.sin(bend) + base * half * (1 + ahead * half))
+        forward = height * (1 + ahead * np.sin(bend) + base * ramp(ahead) * half * (1 + ahead * half))
         right[k] = forward * normal[k] + eps * second
     d = np.linalg.solve(matrix.reshape(2 * n, 2 * n), right.ravel()).reshape(n, 2)
     return front + d

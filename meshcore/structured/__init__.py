@@ -1,4 +1,4 @@
-"""Structured grids: transfinite interpolation, elliptic and hyperbolic equations, topologies, curved operators."""
+"""Structured grids: transfinite interpolation, elliptic, hyperbolic, parabolic; topologies, curved operators."""
 
 from .control_functions import Attractor
 from .curvilinear import Curvilinear
@@ -10,6 +10,7 @@ from .halo import Halo, with_halo
 from .hyperbolic import hyperbolic
 from .metrics import Metrics
 from .o_grid import o_grid
+from .parabolic import parabolic
 from .transfinite import transfinite
 from .transfinite_volume import transfinite_volume
 from .wall_control import Wall
@@ -26,6 +27,7 @@ __all__ = [
     "elliptically_smoothed",
     "hyperbolic",
     "o_grid",
+    "parabolic",
     "transfinite",
     "transfinite_volume",
     "with_halo",

@@ -21,6 +21,7 @@ from ._marching_front_kernels import (
     MIRROR,
     ON_CURVE,
     SPLAY,
+    TINY,
     copy,
     fill,
     frame_of,
@@ -33,7 +34,11 @@ from ._marching_front_kernels import (
 THIN = 2.4  # turn (radians) from which on an edge is so thin that its line must keep to the bisector for a layer
 CAP = 0.2  # share of the height that dissipation may take at convex corners
 PULL = 64.0  # heights by which dissipation may draw a front out of a bay in a step
+CONCAVE = 0.2  # left turn (radians) from which on flat cells have all of the dissipation, too
+THICK = 0.2  # aspect ratio, height over length, from which on cells have most of the dissipation
+LEANING = 12  # lines beside an end that lean like it
 SPREAD = 4  # passes that smooth the dissipation along the front
+PARABOLIC = 1.0  # weight of the elliptic equation's r_xixi |r_eta|^2 / |r_xi|^2 on the way to an outer front
 FLAT = 1e-9  # sine of a corner's angle below which a cell counts as folded
 SOUND = 0.05  # sine from which on a layer is taken as it is
 ATTEMPTS = 7  # each with twice as many steps
@@ -51,11 +56,11 @@ TANGENT, SPACING, TURN, HEIGHT, DISSIPATION, TURNED, SPARE, SPARE_2, BOOST, ASKE
     10,
     11,
 )
-START, BEST, PIN, ROWS = 12, 14, 16, 18
+START, BEST, PIN, LEAD, TOWARDS, ROWS = 12, 14, 16, 18, 19, 21
 
 
 @kernel
-def march(out, heights, kind, frame, curves, reached, base, theta, r, d, scratch, blocks, info, first, last):
+def march(out, heights, outer, kind, frame, curves, reached, base, theta, r, d, scratch, blocks, info, first, last):
     """Layers ``first`` to ``last`` of a grid, out[j + 1] from out[j]; returns how many there are then.
 
     A layer that folds, or comes near to it, is tried again in twice as many steps, with more dissipation where it was.
@@ -65,8 +70,13 @@ def march(out, heights, kind, frame, curves, reached, base, theta, r, d, scratch
     out : (layers + 1, 2, n)
         The fronts.
     heights : (layers, 1 or n)
+        Thickness of each layer; with an outer front, the share of the way to it that the layer ends at.
+    outer : (2, n) or (2, 0)
+        The front to end at, if there is one: from the wall on, orthogonality and areas give way to a parabolic
+        equation, which smooths along the front while lines head for their points on the outer one.
     kind : (2,)
-        Conditions at the ends, with their numbers in ``frame`` (2, 2) and ``curves`` (2, m, 3): x, y, length.
+        Conditions at the ends, with their numbers in ``frame`` (2, 2) and ``curves`` (2, m, 3): x, y, and the length up
+        to there, with an outer front as a share of the whole.
     reached : (2,)
         How far along their curves the ends are.
     base, theta : float
@@ -77,26 +87,26 @@ def march(out, heights, kind, frame, curves, reached, base, theta, r, d, scratch
         Counts layers that were split; the cell at which the march ended.
     """
     n = d.shape[0]
-    boost, asked, corners = scratch[BOOST], scratch[ASKED], scratch[CORNERS]
+    boost, corners = scratch[BOOST], scratch[CORNERS]
     start, best, pin = scratch[START : START + 2], scratch[BEST : BEST + 2], scratch[PIN : PIN + 2]
     closed = kind[0] == CLOSED
     before = 1.0
     for j in range(first, last):
         load(out[j], start)
-        pin_thin_edges(start, kind, frame, scratch, pin)
+        best_possible = pin_thin_edges(start, kind, frame, scratch, pin)
         for k in range(n + 4):
             boost[k] = 0.0
         least, fault, steps = -2.0, 0, 1
         for attempt in range(ATTEMPTS):
             copy(start, r)
-            for k in range(n):
-                asked[k + 2] = heights[j, k % heights.shape[1]] / steps
-            fill(asked, kind)
             for part in range(steps):
+                ask(r, heights, outer, j, part, steps, kind, scratch)
                 step(r, kind, frame, curves, reached, part + 1, base, theta, d, scratch, blocks)
                 for k in range(n):
                     r[0, k + 2] += d[k, 0]
                     r[1, k + 2] += d[k, 1]
+            if outer.shape[1] and j == heights.shape[0] - 1:
+                load(outer, r)
             for k in range(n):
                 d[k, 0] = r[0, k + 2] - start[0, k + 2]
                 d[k, 1] = r[1, k + 2] - start[1, k + 2]
@@ -104,7 +114,7 @@ def march(out, heights, kind, frame, curves, reached, base, theta, r, d, scratch
             if worst > least:
                 least, fault = worst, place
                 copy(r, best)
-            if least > min(SOUND, 0.7 * before) or (attempt > 3 and least > FLAT):
+            if least > min(SOUND, 0.7 * before, 0.7 * best_possible) or (attempt > 3 and least > FLAT):
                 break
             steps *= 2
             strengthen(boost, corners, closed, attempt, steps)
@@ -122,6 +132,27 @@ def march(out, heights, kind, frame, curves, reached, base, theta, r, d, scratch
 
 
 @kernel
+def ask(r, heights, outer, j, part, steps, kind, scratch):
+    """Heights of one step of a layer, and with an outer front how far lines head for it, and which way."""
+    asked, lead = scratch[ASKED], scratch[LEAD]
+    n, columns = asked.size - 4, heights.shape[1]
+    for k in range(n):
+        g = k + 2
+        if outer.shape[1] == 0:
+            asked[g] = heights[j, k % columns] / steps
+            continue
+        before = heights[j - 1, k % columns] if j > 0 else 0.0
+        share = (heights[j, k % columns] - before) / steps
+        at = before + part * share
+        x, y = outer[0, k] - r[0, g], outer[1, k] - r[1, g]
+        distance = math.sqrt(x * x + y * y) + TINY
+        asked[g] = distance * share / (1 - at)
+        lead[g] = at + share
+        scratch[TOWARDS, g], scratch[TOWARDS + 1, g] = x / distance, y / distance
+    fill(asked, kind)
+
+
+@kernel
 def load(layer, front):
     """Copy a layer (2, n) to a front without ghosts."""
     for k in range(layer.shape[1]):
@@ -130,7 +161,11 @@ def load(layer, front):
 
 @kernel
 def pin_thin_edges(start, kind, frame, scratch, pin):
-    """Directions of lines that leave thin edges, zero elsewhere: beside a cusp only its bisector gives sound cells."""
+    """Directions of lines that leave thin edges, zero elsewhere: beside a cusp only its bisector gives sound cells.
+
+    Returns the sine of the corners there, which no line can better.
+    """
+    least = 1.0
     t, turn = scratch[TANGENT : TANGENT + 2], scratch[TURN]
     ghosts(start, kind, frame)
     frame_of(start, t, scratch[SPACING], turn)
@@ -138,6 +173,9 @@ def pin_thin_edges(start, kind, frame, scratch, pin):
         thin = turn[k] < -THIN
         pin[0, k] = -t[1, k] if thin else 0.0
         pin[1, k] = t[0, k] if thin else 0.0
+        if thin:
+            least = min(least, math.cos(0.5 * turn[k]))
+    return least
 
 
 @kernel
@@ -171,27 +209,35 @@ def step(r, kind, frame, curves, reached, part, base, theta, d, scratch, blocks)
     lower, diagonal, upper, fill_in = blocks[0], blocks[1], blocks[2], blocks[3]
     for k in range(n):
         g = k + 2
-        tx, ty, eps = t[0, g], t[1, g], e[g]
-        a = 0.5 * (1 + theta) * h[g] / s[g]
+        tx, ty, eps, free = t[0, g], t[1, g], e[g], 1 - scratch[LEAD, g]
+        a = 0.5 * (1 + theta) * h[g] / s[g] * free
         m0, m1, m3 = -2 * tx * ty * a, (tx * tx - ty * ty) * a, 2 * tx * ty * a
         lower[k, 0], lower[k, 1], lower[k, 2], lower[k, 3] = -m0 - eps, -m1, -m1, -m3 - eps
         upper[k, 0], upper[k, 1], upper[k, 2], upper[k, 3] = m0 - eps, m1, m1, m3 - eps
         diagonal[k, 0], diagonal[k, 1], diagonal[k, 2], diagonal[k, 3] = 1 + 2 * eps, 0.0, 0.0, 1 + 2 * eps
         bend = h[g] / mean_s
-        forward = h[g] * max(0.5, 1 + (1 + theta) * bend * sine + base * half * (1 + bend * half))
-        d[k, 0] = -ty * forward + eps * (r[0, g + 1] - 2 * r[0, g] + r[0, g - 1])
-        d[k, 1] = tx * forward + eps * (r[1, g + 1] - 2 * r[1, g] + r[1, g - 1])
+        lost = base * weight(bend, mean_turn) * half * (1 + bend * half)
+        forward = h[g] * max(0.5, 1 + (1 + theta) * bend * sine + lost) * free
+        ahead = h[g] * (1 - free)
+        d[k, 0] = -ty * forward + scratch[TOWARDS, g] * ahead + eps * (r[0, g + 1] - 2 * r[0, g] + r[0, g - 1])
+        d[k, 1] = tx * forward + scratch[TOWARDS + 1, g] * ahead + eps * (r[1, g + 1] - 2 * r[1, g] + r[1, g - 1])
     for k in range(n):
         x, y = scratch[PIN, k + 2], scratch[PIN + 1, k + 2]
         if x != 0 or y != 0:
             given_row(k, x * asked[k + 2], y * asked[k + 2], lower, diagonal, upper, d)
     if not closed:
         for end in range(2):
-            end_row(r, end, kind[end], frame[end], scratch, lower, diagonal, upper, d)
+            end_row(end, kind[end], frame[end], scratch, lower, diagonal, upper, d)
+            k = 0 if end == 0 else n - 1
             if kind[end] == ON_CURVE:
-                k = 0 if end == 0 else n - 1
-                x, y = point_at(curves[end], reached[end] + part * asked[k + 2])
+                lead = scratch[LEAD, k + 2]
+                x, y = point_at(curves[end], lead if lead > 0 else reached[end] + part * asked[k + 2])
                 given_row(k, x - r[0, k + 2], y - r[1, k + 2], lower, diagonal, upper, d)
+            if kind[end] == ALONG:
+                side = h[k + 2] if -t[1, k + 2] * frame[end, 0] + t[0, k + 2] * frame[end, 1] > 0 else -h[k + 2]
+                lean(end, side * frame[end, 0], side * frame[end, 1], scratch, d)
+            elif kind[end] == ON_CURVE or kind[end] == SPLAY:
+                lean(end, d[k, 0], d[k, 1], scratch, d)
     solve(lower, diagonal, upper, d, closed, fill_in)
 
 
@@ -213,14 +259,24 @@ def dissipation(r, kind, base, scratch):
     smoothed(e, spare, kind, SPREAD)
     for k in range(2, n + 2):
         h[k] *= asked[k]
-        e[k] += base * h[k] / s[k] + boost[k]
+        aspect, lead = h[k] / s[k], scratch[LEAD, k]
+        e[k] = (1 - lead) * (
+            e[k] + base * weight(aspect, turn[k]) * aspect + PARABOLIC * lead * aspect * aspect + boost[k]
+        )
         x = r[0, k + 1] - 2 * r[0, k] + r[0, k - 1]
         y = r[1, k + 1] - 2 * r[1, k] + r[1, k - 1]
         inward = t[1, k] * x - t[0, k] * y
         if inward > 0:
-            e[k] = min(e[k], CAP * h[k] / inward)
+            e[k] = min(e[k], CAP * weight(aspect, turn[k]) * h[k] / inward)
         elif inward < 0:
             e[k] = min(e[k], PULL * asked[k] / -inward)
+
+
+@kernel(inline=True)
+def weight(aspect, turn):
+    """The share of dissipation that cells have: flat ones little, so that first heights are kept, but where concave."""
+    concave = min(1.0, max(0.0, turn / CONCAVE))
+    return (aspect + THICK * concave) / (aspect + THICK)
 
 
 @kernel
@@ -233,7 +289,7 @@ def given_row(k, x, y, lower, diagonal, upper, d):
 
 
 @kernel
-def end_row(r, end, kind, direction, scratch, lower, diagonal, upper, d):
+def end_row(end, kind, direction, scratch, lower, diagonal, upper, d):
     """Put the condition of an open front's end into its equations."""
     k = 0 if end == 0 else d.shape[0] - 1
     outside, inside = (lower, upper) if end == 0 else (upper, lower)
@@ -259,6 +315,20 @@ def end_row(r, end, kind, direction, scratch, lower, diagonal, upper, d):
         given_row(k, -ty * h, tx * h, lower, diagonal, upper, d)
         diagonal[k, 0], diagonal[k, 3] = 1 + a, 1 + a
         inside[k, 0], inside[k, 3] = -a, -a
+
+
+@kernel
+def lean(end, x, y, scratch, d):
+    """Let the lines beside an end lean like it, the less the farther they are, or they would run into each other."""
+    n = d.shape[0]
+    k = 0 if end == 0 else n - 1
+    h = scratch[HEIGHT, k + 2]
+    x, y = x + h * scratch[TANGENT + 1, k + 2], y - h * scratch[TANGENT, k + 2]
+    for q in range(1, min(LEANING, n // 2)):
+        share = (1 - q / LEANING) ** 2
+        to = k + q if end == 0 else k - q
+        d[to, 0] += share * x
+        d[to, 1] += share * y
 
 
 @kernel

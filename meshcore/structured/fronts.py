@@ -9,6 +9,7 @@ import numpy as np
 from ..errors import InvalidGeometry
 from ..geometry.curves import Curve, is_closed, polyline
 from ..geometry.plane import Plane, fitted_plane
+from .hyperbolic_march import Stop
 from .limits import check_extent
 
 
@@ -92,3 +93,16 @@ def _double_area(points: np.ndarray, diagonal: float, parameter: str) -> float:
     if abs(double_area) <= 1e-12 * diagonal**2:
         raise InvalidGeometry(f"encloses no area (extent {diagonal:.6g}); give a simple loop", parameter=parameter)
     return double_area
+
+
+def stop_told(stop: Stop, ready: Front, asked: int) -> str:
+    """What to say of a march that stopped: at which layer, at which point as the user numbers them, and why."""
+    x, y, z = ready.plane.to_space(stop.place[None])[0]
+    point = stop.point
+    if ready.reversed:
+        point = -stop.point % len(ready.points) if ready.closed else len(ready.points) - 1 - stop.point
+    bend = f"where it is concave by {stop.concavity:.0f} degrees" if stop.concavity > 0 else "where it is not concave"
+    return (
+        f"stopped after {stop.layer} of {asked} layers, since {stop.reason} at the front's point {point} near "
+        f"({x:.6g}, {y:.6g}, {z:.6g}), {bend}"
+    )

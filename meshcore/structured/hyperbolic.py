@@ -15,8 +15,8 @@ from ..progress import Progress, advance, part_of, silent
 from ..quality import summary, validate
 from ..report import Report, Result
 from .folds import refuse_folds
-from .fronts import Front, read_front
-from .hyperbolic_march import Dissipation, Marched, Stop, layer_heights, marched
+from .fronts import Front, read_front, stop_told
+from .hyperbolic_march import Dissipation, Marched, layer_heights, marched
 from .limits import check_size
 from .marching_ends import Along, End, Free, Mirror, OnCurve, Splay
 
@@ -201,7 +201,7 @@ def _reported(ready: Front, result: Marched, asked: int) -> Result:
     made = result.points.shape[1] - 1
     warnings = list(ready.warnings)
     if result.stop is not None:
-        warnings.append(_told(result.stop, ready, made, asked))
+        warnings.append(f"{stop_told(result.stop, ready, asked)}; {_CURE}")
         if made == 0:
             raise GenerationFailed(f"no layer could be made: {warnings[-1]}")
     names = {"jmin": "wall", "jmax": "outer"}
@@ -213,16 +213,3 @@ def _reported(ready: Front, result: Marched, asked: int) -> Result:
         counts["layers in smaller steps"] = result.split
     report = Report(counts=counts, quality=summary(grid), warnings=warnings, converged=result.stop is None)
     return Result(grid, report)
-
-
-def _told(stop: Stop, ready: Front, made: int, asked: int) -> str:
-    """The warning of a march that stopped: where, and why."""
-    x, y, z = ready.plane.to_space(stop.place[None])[0]
-    n = len(ready.points)
-    point = (n - stop.point) % n if ready.closed and ready.reversed else stop.point
-    point = n - 1 - stop.point if ready.reversed and not ready.closed else point
-    bend = f"where it is concave by {stop.concavity:.0f} degrees" if stop.concavity > 0 else "where it is not concave"
-    return (
-        f"stopped after {made} of {asked} layers, since {stop.reason} at the front's point {point} near "
-        f"({x:.6g}, {y:.6g}, {z:.6g}), {bend}; {_CURE}"
-    )

@@ -13,7 +13,8 @@ from ..progress import Progress, advance, silent
 from ..quality.embedding import overlaps
 from ..sizing.around_loop import turning
 from . import _hyperbolic_kernels as kernels
-from .marching_ends import End, Free, as_numbers
+from . import _marching_front_kernels as fronts
+from .marching_ends import Conditions, End, Free, as_numbers
 
 POINTS_A_CHUNK = 100_000
 """Between reports of progress; about 30 ms."""
@@ -230,9 +231,23 @@ def marched(
            [0.5, 0.1],
            [0.5, 0.3]])
     """
-    front = _checked_front(front, closed)
+    front = checked_front(front, closed)
     heights = _checked_heights(heights, len(front))
-    out, made, info = _march(front, heights, closed, ends, dissipation, progress)
+    conditions = as_numbers(ends, front, closed)
+    return run(front, heights, np.empty((2, 0)), conditions, dissipation, progress)
+
+
+def run(
+    front: np.ndarray,
+    heights: np.ndarray,
+    outer: np.ndarray,
+    conditions: Conditions,
+    dissipation: Dissipation,
+    progress: Progress,
+) -> Marched:
+    """March a checked front, and see how far the grid covers the plane once; arguments as the kernel takes them."""
+    closed = conditions.kinds[0] == fronts.CLOSED
+    out, made, info = _march(front, heights, outer, conditions, dissipation, progress)
     stop = None
     if made < len(heights):
         stop = _stop(out[made].T, int(info[1]), made, closed, "cells fold")
@@ -242,12 +257,9 @@ def marched(
     return Marched(np.ascontiguousarray(out[: sound + 1].transpose(2, 0, 1)), int(info[0]), stop)
 
 
-def _march(front, heights, closed, ends, dissipation, progress) -> tuple[np.ndarray, int, np.ndarray]:
+def _march(front, heights, outer, conditions, dissipation, progress) -> tuple[np.ndarray, int, np.ndarray]:
     """(layers + 1, 2, n) fronts, how many were made, and what kernels tell."""
     n, layers = len(front), len(heights)
-    kind, frame, curves = np.zeros(2, np.int64), np.zeros((2, 2)), np.zeros((2, 2, 3))
-    if not closed:
-        kind, frame, curves = as_numbers(ends, front)
     out = np.empty((layers + 1, 2, n))
     out[0] = front.T
     info, reached = np.zeros(2, np.int64), np.zeros(2)
@@ -257,33 +269,34 @@ def _march(front, heights, closed, ends, dissipation, progress) -> tuple[np.ndar
     while made < layers:
         advance(progress, made / layers, "marching")
         last = min(made + chunk, layers)
-        done = kernels.march(out, heights, kind, frame, curves, reached, *numbers, *scratch, info, made, last)
+        done = kernels.march(out, heights, outer, *conditions, reached, *numbers, *scratch, info, made, last)
         if done < last:
             return out, done, info
         made = done
     return out, made, info
 
 
-def _checked_front(front: np.ndarray, closed: bool) -> np.ndarray:
+def checked_front(front: np.ndarray, closed: bool, parameter: str = "front") -> np.ndarray:
+    """The (n, 2) points of a front, or an error that says what is wrong with them."""
     front = np.ascontiguousarray(front, float)
     least = 3 if closed else 2
     if front.ndim != 2 or front.shape[1] != 2 or len(front) < least:
-        raise InvalidInput(f"needs shape (n, 2) with n of at least {least}, got {front.shape}", parameter="front")
+        raise InvalidInput(f"needs shape (n, 2) with n of at least {least}, got {front.shape}", parameter=parameter)
     bad = np.flatnonzero(~np.isfinite(front).all(axis=1))
     if len(bad):
-        raise InvalidGeometry(f"point {bad[0]} is {front[bad[0]].tolist()}", parameter="front", points=bad)
+        raise InvalidGeometry(f"point {bad[0]} is {front[bad[0]].tolist()}", parameter=parameter, points=bad)
     steps = np.diff(front, axis=0, append=front[:1]) if closed else np.diff(front, axis=0)
     bad = np.flatnonzero((steps == 0).all(axis=1))
     if len(bad):
         raise InvalidGeometry(
             f"point {bad[0]} is the same as the next, {front[bad[0]].tolist()}; leave one out",
-            parameter="front",
+            parameter=parameter,
             points=bad,
         )
     if closed and (crossing := _crossing(front, closed)) is not None:
         raise InvalidGeometry(
             f"crosses itself near {front[crossing].tolist()}, at its point {crossing}; undo the loop",
-            parameter="front",
+            parameter=parameter,
             points=[crossing],
         )
     return front

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Union
+from typing import NamedTuple, Union
 
 import numpy as np
 
@@ -73,8 +73,25 @@ class Splay:
 End = Union[Free, Mirror, Along, OnCurve, Splay]
 
 
-def as_numbers(ends: tuple[End, End], front: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Conditions as kernels take them: (2,) kinds, (2, 2) directions, (2, m, 3) curves as x, y, length.
+class Conditions(NamedTuple):
+    """Conditions at both ends as kernels take them.
+
+    Attributes
+    ----------
+    kinds : (2,) int
+    directions : (2, 2) float
+        Unit vectors; of a splay, cosine and sine.
+    curves : (2, m, 3) float
+        x, y and the length up to there.
+    """
+
+    kinds: np.ndarray
+    directions: np.ndarray
+    curves: np.ndarray
+
+
+def as_numbers(ends: tuple[End, End], front: np.ndarray, closed: bool = False) -> Conditions:
+    """Conditions as kernels take them; those of a closed front are none.
 
     Raises
     ------
@@ -84,11 +101,13 @@ def as_numbers(ends: tuple[End, End], front: np.ndarray) -> tuple[np.ndarray, np
     Examples
     --------
     >>> front = np.array([[0.0, 0], [1, 0], [2, 0]])
-    >>> as_numbers((Along((0, 2)), Free()), front)[1]
+    >>> as_numbers((Along((0, 2)), Free()), front).directions
     array([[0., 1.],
            [0., 0.]])
     """
-    kinds, directions = np.zeros(2, np.int64), np.zeros((2, 2))
+    kinds, directions = np.full(2, kernels.CLOSED), np.zeros((2, 2))
+    if closed:
+        return Conditions(kinds, directions, np.zeros((2, 2, 3)))
     curves = [np.array([[0.0, 0, 0], [1, 0, 1]])] * 2
     for k, end in enumerate(ends):
         at, beside = (front[0], front[1]) if k == 0 else (front[-1], front[-2])
@@ -108,7 +127,7 @@ def as_numbers(ends: tuple[End, End], front: np.ndarray) -> tuple[np.ndarray, np
         else:
             kinds[k] = kernels.FREE
     longest = max(len(curve) for curve in curves)
-    return kinds, directions, np.stack([_padded(curve, longest) for curve in curves])
+    return Conditions(kinds, directions, np.stack([_padded(curve, longest) for curve in curves]))
 
 
 def _unit(direction) -> np.ndarray:
