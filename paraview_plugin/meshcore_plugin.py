@@ -1350,7 +1350,7 @@ class meshcoreEllipticSmoothing(Operation):
 class meshcoreHyperbolicGrid(Operation):
     operation = "hyperbolic"
     label = "meshcore Hyperbolic Grid"
-    ports = (("front", "lines", False), ("first_curve", "lines", True), ("last_curve", "lines", True))
+    ports = (("front", "curve", False), ("first_curve", "curve", True), ("last_curve", "curve", True))
     output = "vtkStructuredGrid"
 
     def SetFirstHeight(self, value):
@@ -1530,7 +1530,7 @@ class meshcoreOGrid(Operation):
 class meshcoreParabolicGrid(Operation):
     operation = "parabolic"
     label = "meshcore Parabolic Grid"
-    ports = (("front", "lines", False), ("outer", "lines", False), ("first_side", "lines", True), ("last_side", "lines", True))
+    ports = (("front", "curve", False), ("outer", "curve", False), ("first_side", "curve", True), ("last_side", "curve", True))
     output = "vtkStructuredGrid"
 
     def SetFirstHeight(self, value):
