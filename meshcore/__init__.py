@@ -14,6 +14,7 @@ from .sizing import discretised
 from .structured import (
     Attractor,
     Wall,
+    c_grid,
     elliptic,
     elliptic_volume,
     elliptically_smoothed,
@@ -59,6 +60,7 @@ __all__ = [
     "Triangulation",
     "Wall",
     "adapt",
+    "c_grid",
     "constrained_delaunay",
     "degenerate",
     "delaunay_2d",

@@ -312,6 +312,7 @@ def arguments(identifier: str) -> tuple[tuple[Any, ...], dict[str, Any]]:
             {"first_height": 0.004, "growth": 1.25},
         ),
         "o_grid": ((airfoil("naca0012"),), {"radius": 4.0, "first_height": 0.01, "growth": 1.3}),
+        "c_grid": ((airfoil("naca0012"),), {"radius": 4.0, "first_height": 0.005, "growth": 1.3}),
         "elliptic_volume": ((dented_box(),), {}),
         "elliptically_smoothed": ((rough_ring(),), {}),
         "transfinite": (tuple(lines_through(side) for side in wavy_sides()), {}),

@@ -850,6 +850,158 @@ def vtk_type_of(content):
     )
 
 
+@smproxy.filter(name="meshcoreCGrid", label="meshcore C Grid", support_reload=False)
+@smhint.xml('<ShowInMenu category="meshcore"/>')
+@smproperty.xml(
+    """
+    <Documentation short_help="C Grid">Wrap a C-grid of quadrilaterals around a section and its
+    wake.</Documentation>
+    <InputProperty name="Input" label="Section" port_index="0" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>One closed loop in a plane, such as an airfoil.</Documentation>
+    </InputProperty>
+    <InputProperty name="Outer" label="Outer" port_index="1" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>An open far field, its ends beside the wake's end.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
+    <IntVectorProperty name="FarField" label="Far Field" command="SetFarField" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="C"/><Entry value="1" text="box"/></EnumerationDomain>
+      <Documentation>Shape of the far field: a C, or a box with corners.</Documentation>
+    </IntVectorProperty>
+    <DoubleVectorProperty name="Radius" label="Radius" command="SetRadius" number_of_elements="1" default_values="10.0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0.6" max="100"/>
+      <Documentation>Distance of the far field from mid-chord, in chords.</Documentation>
+    </DoubleVectorProperty>
+    <IntVectorProperty name="Method" label="Method" command="SetMethod" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="transfinite"/><Entry value="1" text="elliptic"/></EnumerationDomain>
+      <Documentation>How the grid between section and far field is made.</Documentation>
+    </IntVectorProperty>
+    <DoubleVectorProperty name="FirstHeight" label="First Height" command="SetFirstHeight" number_of_elements="1" default_values="-1" panel_visibility="default">
+      <BoundsDomain name="range" mode="scaled_extent" scale_factor="0.001"><RequiredProperties><Property name="Input" function="Input"/></RequiredProperties></BoundsDomain>
+      <Documentation>Height of the cells at the section; -1 takes 0.1% of the diagonal of the input's bounding
+      box.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="YPlus" label="Y Plus" command="SetYPlus" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>y+ of the first points, which then sets the first height; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="Reynolds" label="Reynolds" command="SetReynolds" number_of_elements="1" default_values="1000000.0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="1"/>
+      <Documentation>Reynolds number of the chord, for y+.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="Growth" label="Growth" command="SetGrowth" number_of_elements="1" default_values="1.15" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="1.001" max="3"/>
+      <Documentation>Growth of cell heights that sets the number of layers.</Documentation>
+    </DoubleVectorProperty>
+    <IntVectorProperty name="Layers" label="Layers" command="SetLayers" number_of_elements="1" default_values="0" panel_visibility="default">
+      <IntRangeDomain name="range" min="0" max="500"/>
+      <Documentation>Cells from the section out; by default as many as growth needs; 0 leaves it out.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="Around" label="Around" command="SetAround" number_of_elements="1" default_values="0" panel_visibility="default">
+      <IntRangeDomain name="range" min="0" max="1000"/>
+      <Documentation>Cells around the section; by default its own points; 0 leaves it out.</Documentation>
+    </IntVectorProperty>
+    <DoubleVectorProperty name="LeadingSpacing" label="Leading Spacing" command="SetLeadingSpacing" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Size of the cells at the nose; by default as the section bends; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="TrailingSpacing" label="Trailing Spacing" command="SetTrailingSpacing" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Size of the cells at the trailing edge; by default as the section bends; 0 leaves it
+      out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="Wake" label="Wake" command="SetWake" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0" max="100"/>
+      <Documentation>Length of the wake, in chords; by default as far as the far field; 0 leaves it
+      out.</Documentation>
+    </DoubleVectorProperty>
+    <IntVectorProperty name="WakeCells" label="Wake Cells" command="SetWakeCells" number_of_elements="1" default_values="0" panel_visibility="default">
+      <IntRangeDomain name="range" min="0" max="500"/>
+      <Documentation>Cells along the wake; by default as many as wake_growth needs; 0 leaves it out.</Documentation>
+    </IntVectorProperty>
+    <DoubleVectorProperty name="WakeGrowth" label="Wake Growth" command="SetWakeGrowth" number_of_elements="1" default_values="1.2" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="1.001" max="3"/>
+      <Documentation>Growth of cells along the wake that sets their number.</Documentation>
+    </DoubleVectorProperty>
+    <PropertyGroup label="Parameters">
+      <Property name="FarField"/>
+      <Property name="Radius"/>
+      <Property name="Method"/>
+      <Property name="Layers"/>
+      <Property name="Around"/>
+      <Property name="Wake"/>
+      <Property name="WakeCells"/>
+    </PropertyGroup>
+    <PropertyGroup label="Spacing">
+      <Property name="FirstHeight"/>
+      <Property name="YPlus"/>
+      <Property name="Reynolds"/>
+      <Property name="Growth"/>
+      <Property name="LeadingSpacing"/>
+      <Property name="TrailingSpacing"/>
+      <Property name="WakeGrowth"/>
+    </PropertyGroup>
+    """
+)
+class meshcoreCGrid(Operation):
+    operation = "c_grid"
+    label = "meshcore C Grid"
+    ports = (("section", "curve", False), ("outer", "curve", True))
+    output = "vtkStructuredGrid"
+
+    def SetFarField(self, value):
+        self.set("far_field", ('C', 'box')[value])
+
+    def SetRadius(self, value):
+        self.set("radius", value)
+
+    def SetMethod(self, value):
+        self.set("method", ('transfinite', 'elliptic')[value])
+
+    def SetFirstHeight(self, value):
+        self.set("first_height", value if value > 0 else BY_DEFAULT)
+
+    def SetYPlus(self, value):
+        self.set("y_plus", value or None)
+
+    def SetReynolds(self, value):
+        self.set("reynolds", value)
+
+    def SetGrowth(self, value):
+        self.set("growth", value)
+
+    def SetLayers(self, value):
+        self.set("layers", value or None)
+
+    def SetAround(self, value):
+        self.set("around", value or None)
+
+    def SetLeadingSpacing(self, value):
+        self.set("leading_spacing", value or None)
+
+    def SetTrailingSpacing(self, value):
+        self.set("trailing_spacing", value or None)
+
+    def SetWake(self, value):
+        self.set("wake", value or None)
+
+    def SetWakeCells(self, value):
+        self.set("wake_cells", value or None)
+
+    def SetWakeGrowth(self, value):
+        self.set("wake_growth", value)
+
+
+
 @smproxy.filter(name="meshcoreEllipticGrid", label="meshcore Elliptic Grid", support_reload=False)
 @smhint.xml('<ShowInMenu category="meshcore"/>')
 @smproperty.xml(

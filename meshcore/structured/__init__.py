@@ -1,5 +1,6 @@
 """Structured grids: transfinite interpolation, elliptic, hyperbolic, parabolic; topologies, curved operators."""
 
+from .c_grid import c_grid
 from .control_functions import Attractor
 from .curvilinear import Curvilinear
 from .elliptic import elliptic
@@ -22,6 +23,7 @@ __all__ = [
     "Halo",
     "Metrics",
     "Wall",
+    "c_grid",
     "elliptic",
     "elliptic_volume",
     "elliptically_smoothed",

@@ -19,6 +19,7 @@ from .folds import refuse_folds
 from .limits import check_size
 from .rays import Section, at_height, paths, ray_directions, to_circle
 from .section_input import section_loop
+from .section_result import scaled_jacobians
 
 _CURE = "make the section smoother or less re-entrant, move the far field, or give more points around it"
 _WIDTHS = (0.03, 0.06, 0.12)
@@ -112,15 +113,16 @@ def o_grid(
     (StructuredGrid(25 x 9 points), 'wall')
     """
     given = section_loop(section)
-    loop, diagonal, plane, warnings = given.begun_at(cut), given.diagonal, given.plane, given.warnings
+    loop, diagonal, warnings = given.begun_at(cut), given.diagonal, given.warnings
     if around is not None:
         check_size(around + 1, (layers or 1) + 1, parameter="around")
         loop = respaced_loop(loop, around)
     height = absolute(first_height, diagonal)
     points, ratio = _wrapped(loop, radius, height, growth, layers, progress)
     flat = points[::-1]  # clockwise, so that i, j are right-handed
-    spatial = plane.to_space(flat.reshape(-1, 2)).reshape(*flat.shape[:2], 3)
-    grid = StructuredGrid(spatial, names={"jmin": "wall", "jmax": "far field"}, periodic=(True, False, False))
+    grid = StructuredGrid(
+        given.to_space(flat), names={"jmin": "wall", "jmax": "far field"}, periodic=(True, False, False)
+    )
     advance(progress, 0.9, "checking the grid")
     refuse_folds(grid, _CURE)
     validate(grid)
@@ -193,7 +195,7 @@ def _best_rays(
             for bend in _BENDS:
                 reach = to_circle(around, rays, bend * chord, centre, radius)[:, None]
                 levels = np.geomspace(min(height, 0.1 * radius) / radius, 1, 24)
-                soundness = _scaled_jacobians(
+                soundness = scaled_jacobians(
                     paths(around, rays, bend * chord, np.concatenate([[0.0], levels]) * reach)[::-1]
                 )
                 worst = float(soundness.min())
@@ -202,12 +204,3 @@ def _best_rays(
                 if best is None or score < best[0]:
                     best = (score, rays, bend * chord)
     return best[1], best[2]
-
-
-def _scaled_jacobians(points: np.ndarray) -> np.ndarray:
-    """(ni - 1, nj - 1) least sine of a corner's angle, of each cell of planar points (ni, nj, 2)."""
-    quad = np.stack([points[:-1, :-1], points[1:, :-1], points[1:, 1:], points[:-1, 1:]])
-    edge = np.roll(quad, -1, axis=0) - quad
-    back = -np.roll(edge, 1, axis=0)
-    cross = edge[..., 0] * back[..., 1] - edge[..., 1] * back[..., 0]
-    return (cross / (np.linalg.norm(edge, axis=-1) * np.linalg.norm(back, axis=-1))).min(axis=0)

@@ -44,6 +44,10 @@ class GivenSection:
     plane: Plane
     warnings: list[str] = field(default_factory=list)
 
+    def to_space(self, points: np.ndarray) -> np.ndarray:
+        """(ni, nj, 3) float: points (ni, nj, 2) of the plane in space."""
+        return self.plane.to_space(points.reshape(-1, 2)).reshape(*points.shape[:2], 3)
+
     def begun_at(self, cut: int) -> np.ndarray:
         """(n, 2) float: the loop from the user's point number ``cut``; from the sharpest if it is -1."""
         if cut == -1:

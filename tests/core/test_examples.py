@@ -23,6 +23,7 @@ NUMBERS = {
     "figure_07_elliptic_boundaries": 160 * 80,
     "figure_08_control_functions": 60 * 30,
     "figure_11_o_grid": None,
+    "figure_12_c_grid": None,
     "figure_23_empty_circumcircles": None,
     "figure_24_sliver": 1,
     "figure_25_degenerate_points": 800,

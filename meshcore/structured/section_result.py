@@ -1,0 +1,94 @@
+"""How every grid round a section ends: smoothed if asked, checked, and reported."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..mesh import StructuredGrid
+from ..progress import Progress, advance
+from ..quality import summary, validate
+from ..report import Report, Result
+from .elliptic_problem import Asked, solved
+from .folds import folded_cells, refuse_folds
+from .wall_control import Wall
+
+
+def finished(
+    grid: StructuredGrid,
+    method: str,
+    kept: np.ndarray | None,
+    cure: str,
+    counts: dict[str, int],
+    told: dict[str, float],
+    warnings: list[str],
+    progress: Progress,
+) -> Result:
+    """The grid, smoothed if the method says so or lines crossed, and its report.
+
+    Parameters
+    ----------
+    grid : StructuredGrid
+        The transfinite grid, whose first heights are those wanted.
+    method : {"transfinite", "elliptic"}
+        Whether it is to be smoothed.
+    kept : (ni,) float, optional
+        How far, from 0 to 1, smoothing keeps the angles of the lines at j = 0, instead of making them right.
+    cure : str
+        What to do about folded cells.
+    counts, told : dict
+        For the report.
+    warnings : list of str
+        What has been changed so far.
+    progress : Progress
+        Called with fraction and message.
+
+    Raises
+    ------
+    GenerationFailed
+        If cells are folded; `cells` and `partial` show where.
+    """
+    history: dict = {}
+    folded = folded_cells(grid.points[:, :, 0])
+    if folded.any() and method == "transfinite":
+        crossed = f"lines crossed in {int(folded.sum())} cells; the grid was smoothed by elliptic equations"
+        warnings = [*warnings, crossed]
+    if method == "elliptic" or folded.any():
+        walls = [_wall(grid, kept)] if method == "elliptic" else []
+        grid, report = solved(grid, Asked(control="boundary spacing", walls=walls), progress)
+        told = {**told, **{name: value for name, value in report.quality.items() if name.startswith("error")}}
+        warnings = warnings + report.warnings
+        history = {"iterations": report.iterations, "residual": report.residual, "converged": report.converged}
+        history["history"] = report.history
+    advance(progress, 0.95, "checking the grid")
+    refuse_folds(grid, cure)
+    validate(grid)
+    counts = {"points": grid.n_points, "quads": grid.n_cells, **counts}
+    return Result(grid, Report(counts=counts, quality={**summary(grid), **told}, warnings=warnings, **history))
+
+
+def _wall(grid: StructuredGrid, kept: np.ndarray | None) -> Wall:
+    """The first heights of a grid, and right angles but where they are kept."""
+    points = grid.points[:, :, 0]
+    away = points[:, 1] - points[:, 0]
+    height = np.linalg.norm(away, axis=1)
+    if kept is None or not kept.any():
+        return Wall("south", first_height=height)
+    along = np.gradient(points[:, 0], axis=0)
+    cosine = (along * away).sum(axis=1) / (np.linalg.norm(along, axis=1) * height)
+    angle = np.degrees(np.arccos(np.clip(cosine, -1, 1)))
+    return Wall("south", first_height=height, angle=90 + kept * (np.clip(angle, 10, 170) - 90))
+
+
+def scaled_jacobians(points: np.ndarray) -> np.ndarray:
+    """(ni - 1, nj - 1) least sine of a corner's angle, of each cell of planar points (ni, nj, 2).
+
+    Examples
+    --------
+    >>> scaled_jacobians(np.array([[[0.0, 0], [0, 1]], [[1, 0], [1, 1]]]))
+    array([[1.]])
+    """
+    quad = np.stack([points[:-1, :-1], points[1:, :-1], points[1:, 1:], points[:-1, 1:]])
+    edge = np.roll(quad, -1, axis=0) - quad
+    back = -np.roll(edge, 1, axis=0)
+    cross = edge[..., 0] * back[..., 1] - edge[..., 1] * back[..., 0]
+    return (cross / (np.linalg.norm(edge, axis=-1) * np.linalg.norm(back, axis=-1))).min(axis=0)
