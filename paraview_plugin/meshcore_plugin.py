@@ -1315,15 +1315,24 @@ class meshcoreEllipticVolume(Operation):
 @smhint.xml('<ShowInMenu category="meshcore"/>')
 @smproperty.xml(
     """
-    <Documentation short_help="Elliptic Smoothing">Smooth a planar structured grid by the elliptic equations; its
-    boundary is kept, the cut of an O-grid is free.</Documentation>
+    <Documentation short_help="Elliptic Smoothing">Smooth a planar or curved structured grid by the elliptic
+    equations; its boundary is kept, an O-grid's cut free.</Documentation>
     <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
       <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
       <DataTypeDomain name="input_type" composite_data_supported="0">
         <DataType value="vtkDataSet"/>
       </DataTypeDomain>
       <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
-      <Documentation>A planar grid: quads in rows and columns, with four corners or around a hole.</Documentation>
+      <Documentation>A surface grid: quads in rows and columns, with four corners or around a hole.</Documentation>
+    </InputProperty>
+    <InputProperty name="Surface" label="Surface" port_index="1" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Triangles or quads on which the grid shall lie, such as a scan.</Documentation>
+      <Hints><Optional/></Hints>
     </InputProperty>
     <IntVectorProperty name="Control" label="Control" command="SetControl" number_of_elements="1" default_values="0" panel_visibility="default">
       <EnumerationDomain name="enum"><Entry value="0" text="none"/><Entry value="1" text="boundary spacing"/></EnumerationDomain>
@@ -1372,7 +1381,7 @@ class meshcoreEllipticVolume(Operation):
 class meshcoreEllipticSmoothing(Operation):
     operation = "elliptically_smoothed"
     label = "meshcore Elliptic Smoothing"
-    ports = (("grid", "either", False),)
+    ports = (("grid", "either", False), ("surface", "either", True))
     output = "vtkStructuredGrid"
 
     def SetControl(self, value):

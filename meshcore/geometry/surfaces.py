@@ -15,6 +15,9 @@ from ..errors import InvalidGeometry, InvalidInput
 STEP = 1e-5
 """Part of a parameter's range over which a formula's tangents are taken."""
 
+_OVERLAP = 24
+"""Rows by which a cyclic spline overlaps itself: what its ends do falls off by 0.27 a row, to nothing in this many."""
+
 
 class Surface(ABC):
     """A surface S(u, v) over the rectangle ``low`` <= (u, v) <= ``high``."""
@@ -101,6 +104,8 @@ class SplineSurface(Surface):
     ----------
     grid : (m, n, 3) float
         Points, two or more along each direction. Parameters run from 0 to 1 as the lengths of the lines do on average.
+    cyclic : bool
+        Whether the last row of points is the first, through which the surface runs on smoothly; u has no end then.
 
     Raises
     ------
@@ -116,6 +121,7 @@ class SplineSurface(Surface):
     """
 
     grid: np.ndarray
+    cyclic: bool = False
 
     def __post_init__(self) -> None:
         grid = np.ascontiguousarray(self.grid, float)
@@ -133,8 +139,15 @@ class SplineSurface(Surface):
                     parameter="grid",
                 )
 
-    low = np.zeros(2)
-    high = np.ones(2)
+    @property
+    def low(self) -> np.ndarray:  # type: ignore[override]
+        """(2,) least parameters."""
+        return np.array([-np.inf if self.cyclic else 0.0, 0.0])
+
+    @property
+    def high(self) -> np.ndarray:  # type: ignore[override]
+        """(2,) greatest parameters."""
+        return np.array([np.inf if self.cyclic else 1.0, 1.0])
 
     @cached_property
     def _knots(self) -> tuple[np.ndarray, np.ndarray]:
@@ -148,6 +161,10 @@ class SplineSurface(Surface):
     @cached_property
     def _splines(self) -> list[RectBivariateSpline]:
         knots, grid = list(self._knots), self.grid
+        if self.cyclic:
+            row = np.arange(-_OVERLAP, len(grid) + _OVERLAP)
+            turn, row = np.divmod(row, len(grid) - 1)
+            knots[0], grid = knots[0][row] + turn, grid[row]
         for axis in np.flatnonzero(np.array(grid.shape[:2]) == 2):  # scipy derives from the second degree on only
             knots[axis] = np.array([0, 0.5, 1])
             grid = np.insert(grid, 1, grid.mean(axis=axis), axis=axis)
@@ -161,9 +178,14 @@ class SplineSurface(Surface):
 
     def points(self, u: np.ndarray, v: np.ndarray) -> np.ndarray:
         """(..., 3) points at parameters of any equal shape."""
+        u = self._within(u)
         return np.stack([spline.ev(u, v) for spline in self._splines], axis=-1)
 
     def tangents(self, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(..., 3) derivatives of the points by u, and by v."""
+        u = self._within(u)
         by_u = np.stack([spline.ev(u, v, dx=1) for spline in self._splines], axis=-1)
         return by_u, np.stack([spline.ev(u, v, dy=1) for spline in self._splines], axis=-1)
+
+    def _within(self, u: np.ndarray) -> np.ndarray:
+        return u - np.floor(u) if self.cyclic else u

@@ -108,4 +108,7 @@ def _on_surface(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
         return squared(cross(a, b)) > (4 * _UNIT) ** 2 * squared(a) * squared(b)
     normal = cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1])
     corners = [cross(x[:, (k + 1) % 4] - x[:, k], x[:, k - 1] - x[:, k]) for k in range(4)]
-    return np.all([dot(c, normal) > 0 for c in corners], axis=0)
+    sound = np.array([dot(c, normal) > 0 for c in corners])
+    # With an edge of no length, as beside a pole, a quad is a triangle: the two corners there are one.
+    none = np.array([(x[:, (k + 1) % 4] == x[:, k]).all(axis=1) for k in range(4)])
+    return (sound | ((none | np.roll(none, 1, axis=0)) & (none.sum(axis=0) == 1))).all(axis=0)

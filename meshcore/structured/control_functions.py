@@ -60,6 +60,8 @@ def from_boundary(points: np.ndarray, *, cyclic: bool = False) -> np.ndarray:
     lengths = [_logarithm(np.gradient(points, axis=axis)) for axis in axes]
     if cyclic:  # central differences vanish where the boundary turns back on itself
         lengths[0][:-1] = steps[0]
+    if points.ndim == 3:
+        _mend_poles(points, lengths)
     growth = np.zeros((len(axes), *points.shape[:-1]))
     for axis in axes:
         inner = np.moveaxis(growth[axis], axis, 0)
@@ -75,6 +77,66 @@ def from_boundary(points: np.ndarray, *, cyclic: bool = False) -> np.ndarray:
     for axis in axes[:1] if cyclic else axes:
         growth[axis] = blended(growth[axis], [other for other in axes if other != axis])
     return np.clip(growth, -LARGEST_GROWTH, LARGEST_GROWTH)
+
+
+def poles(points: np.ndarray) -> list[tuple[int, int]]:
+    """The sides of a surface grid that are one point: the axis that ends there, and 0 or -1 for its first or last row.
+
+    Examples
+    --------
+    >>> fan = np.stack(np.meshgrid([0.0, 1], [0.0, 1, 2], indexing="ij"), axis=-1)
+    >>> fan[:, 0] = 0.5
+    >>> poles(fan)
+    [(1, 0)]
+    """
+    rows = [(axis, end, np.moveaxis(points, axis, 0)[end]) for axis in (0, 1) for end in (0, -1)]
+    return [(axis, end) for axis, end, row in rows if (row == row[0]).all()]
+
+
+def from_poles(points: np.ndarray) -> np.ndarray | None:
+    """Growth that spreads lines evenly around sides that are one point, or None if there are no such sides.
+
+    Without it, no grid has harmonic coordinates there: the logarithm of the distance has no value. Even circles around
+    a pole obey the equations with the control function 1 / n, n the number of the circle.
+
+    Parameters
+    ----------
+    points : (ni, nj, m) float
+        A surface grid.
+
+    Returns
+    -------
+    (2, ni, nj) float or None
+
+    Examples
+    --------
+    >>> fan = np.stack(np.meshgrid([0.0, 1], [0.0, 1, 2], indexing="ij"), axis=-1)
+    >>> fan[:, 0] = 0.5
+    >>> from_poles(fan)[1, 0].round(4)
+    array([-0.    , -1.0986, -0.5108])
+    """
+    found = poles(points)
+    if not found:
+        return None
+    growth = np.zeros((2, *points.shape[:2]))
+    for axis, end in found:
+        number = np.arange(points.shape[axis], dtype=float)
+        number[0] = np.inf
+        even = -2 * np.arctanh(0.5 / number)
+        along = np.moveaxis(growth[axis], axis, 0)
+        along += (even if end == 0 else -even[::-1])[:, None]
+    return growth
+
+
+def _mend_poles(points: np.ndarray, lengths: list[np.ndarray]) -> None:
+    """At sides that are one point, the (logarithm of the) spacing that gives even circles their control: `from_poles`.
+
+    The difference to the second circle's shall be twice the growth at the first, the logarithm of 3.
+    """
+    for axis, end in poles(points):
+        if points.shape[axis] > 2:
+            rows = np.moveaxis(lengths[1 - axis], axis, 0)
+            rows[end] = rows[2 if end == 0 else -3] - np.log(9.0)
 
 
 def _logarithm(vectors: np.ndarray) -> np.ndarray:

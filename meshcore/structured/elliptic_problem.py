@@ -1,4 +1,4 @@
-"""What a planar elliptic grid is asked to be, and the way from there to a checked grid: `elliptic` and its like."""
+"""What an elliptic grid is asked to be, and the way to a checked grid in a plane: `elliptic` and its like."""
 
 from __future__ import annotations
 
@@ -26,7 +26,8 @@ _CURE = (
     "move the grid's corners to where the boundary turns by less than 180 degrees, ask for less control, "
     "or give more cells"
 )
-_SHARES = (1.0, 0.5, 0.25, 0.0)  # of control functions, as long as they fold the grid or do not converge
+SHARES = (1.0, 0.5, 0.25, 0.0)
+"""Of control functions, as long as they fold the grid or do not converge."""
 _ALIKE = 1e-6  # of the extent: how far periodic sides may differ
 Equation = Literal["Poisson", "biharmonic"]
 Control = Literal["none", "boundary spacing"]
@@ -34,7 +35,7 @@ Control = Literal["none", "boundary spacing"]
 
 @dataclass(frozen=True)
 class Asked:
-    """What a planar elliptic grid shall be like; see `elliptic` for the meaning of each.
+    """What an elliptic grid shall be like; see `elliptic` for the meaning of each.
 
     Attributes
     ----------
@@ -96,11 +97,11 @@ class Asked:
 
 @dataclass
 class Found:
-    """A planar grid as it came out.
+    """A grid as it came out.
 
     Attributes
     ----------
-    points : (ni, nj, 2) float
+    points : (ni, nj, 2) or (ni, nj, 3) float
         The grid.
     history : list of float
         Residuals in units of the start's.
@@ -149,6 +150,11 @@ def solved(start: StructuredGrid, asked: Asked, progress: Progress = silent) -> 
         spatial[SIDES[side]] = start.points[:, :, 0][SIDES[side]]
     grid = start.with_points(spatial)
     refuse_folds(grid, _CURE)
+    return reported(grid, found)
+
+
+def reported(grid: StructuredGrid, found: Found) -> Result:
+    """A grid without folds as the result of an operation, validated."""
     validate(grid)
     report = Report(
         counts={"points": grid.n_points, "quads": grid.n_cells},
@@ -211,7 +217,7 @@ def _planar(points: np.ndarray, cyclic: bool, asked: Asked, progress: Progress) 
     sign = orientation(points)
     if min(points.shape[:2]) < 3:
         return Found(points, [0.0], True)
-    for share in _SHARES if growth is not None else (1.0,):
+    for share in SHARES if growth is not None else (1.0,):
         found = _once(points, None if growth is None else share * growth, cyclic, asked, progress)
         if curable_cells(found.points, sign, cyclic=cyclic).any():
             found.points = unfolded(found.points, sign, cyclic=cyclic)
@@ -236,14 +242,33 @@ def _once(points: np.ndarray, growth: np.ndarray | None, cyclic: bool, asked: As
         threads=asked.threads,
         progress=progress,
     )
-    warnings = []
-    if not solution.converged:
+    return as_found(solution.points, solution.history, solution.converged, solution.error, asked)
+
+
+def as_found(
+    points: np.ndarray, history: Sequence[float], converged: bool, error: float, asked: Asked, start: int = 2
+) -> Found:
+    """What a solver made, with what to tell of it.
+
+    Parameters
+    ----------
+    points, history, converged
+        As in `Found`.
+    error : float
+        Estimated distance of a node from its place, in local spacings.
+    asked : Asked
+        Which says how many cycles there might be.
+    start : int
+        Entries of the history before the first cycle.
+    """
+    warnings, cycles = [], len(history) - start
+    if not converged:
         warnings.append(
-            f"not converged after {len(solution.history) - 2} cycles: the residual is {solution.history[-1]:.2g} of "
-            f"the start's, and a node may be {solution.error:.2g} of the local spacing from its place"
+            f"not converged after {cycles} cycles: the residual is {history[-1]:.2g} of "
+            f"the start's, and a node may be {error:.2g} of the local spacing from its place"
         )
-    stalled = not solution.converged and solution.error > 1 and len(solution.history) - 2 < asked.most_cycles
-    return Found(solution.points, solution.history, solution.converged, warnings, stalled=stalled)
+    stalled = not converged and error > 1 and cycles < asked.most_cycles
+    return Found(points, history, converged, warnings, stalled=stalled)
 
 
 def _with_walls(points: np.ndarray, growth: np.ndarray | None, cyclic: bool, asked: Asked, progress: Progress) -> Found:

@@ -1,4 +1,4 @@
-"""Planar grids smoothed by the elliptic equations (survey 2.5.1)."""
+"""Surface grids, planar and curved, smoothed by the elliptic equations (survey 2.5.1, 2.6)."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Annotated, Union
 import numpy as np
 
 from ..errors import InvalidInput
+from ..geometry.closest import FacetedSurface
 from ..mesh import Mesh, StructuredGrid
 from ..operation import Port, operation
 from ..progress import Progress, silent
@@ -25,8 +26,10 @@ from .elliptic_parameters import (
     WallsParam,
     asked_walls,
 )
-from .elliptic_problem import Asked, cuts_of, is_left_handed, solved
+from .elliptic_problem import Asked, cuts_of, is_left_handed
+from .elliptic_surface import put_on, solved
 from .quad_nets import grid_of
+from .side_parameters import SurfacePort
 from .wall_control import Wall
 from .winslow import MOST_CYCLES
 
@@ -37,8 +40,9 @@ _COINCIDENT = 1e-9  # of the extent: how far both sides of a cut may be apart
 def elliptically_smoothed(
     grid: Annotated[
         Union[Mesh, StructuredGrid],
-        Port("A planar grid: quads in rows and columns, with four corners or around a hole", cells=("quad",)),
+        Port("A surface grid: quads in rows and columns, with four corners or around a hole", cells=("quad",)),
     ],
+    surface: SurfacePort = None,
     *,
     # Not "boundary spacing": that is measured in the given grid, whose roughness it would keep.
     control: ControlParam = "none",
@@ -54,21 +58,29 @@ def elliptically_smoothed(
     threads: int | None = None,
     progress: Progress = silent,
 ) -> Result:
-    """Smooth a planar structured grid by the elliptic equations; its boundary is kept, the cut of an O-grid is free.
+    """Smooth a planar or curved structured grid by the elliptic equations; its boundary is kept, an O-grid's cut free.
 
-    Folded cells are unfolded. South is the side j = 0, east the last i, north the last j, and west i = 0.
+    In a plane, folded cells are unfolded. A curved grid is smoothed on the bicubic surface through its points, or on a
+    given one: its coordinates become harmonic on that (Laplace-Beltrami). South is the side j = 0, east the last i,
+    north the last j, and west i = 0.
 
     Parameters
     ----------
     grid : StructuredGrid or Mesh
-        A surface grid in one plane, possibly folded. Where its first and last points along i or j are the same, or
-        `periodic` says so, it is closed and the cut is free. A mesh has "quad" cells in rows and columns: a patch whose
-        i and j begin at the corner with the lowest number, i along the first quad's nodes, or a ring around which i
-        runs. A left-handed grid is reversed along i, as `warnings` tell; sides are those of the result.
+        A surface grid, in a plane possibly folded; on a curved one a side may be one point. Where its first and last
+        points along i or j are the same, or `periodic` says so, it is closed and the cut is free. A mesh has "quad"
+        cells in rows and columns: a patch whose i and j begin at the corner with the lowest number, i along the first
+        quad's nodes, or a ring around which i runs. A left-handed planar grid is reversed along i, as `warnings` tell;
+        sides are those of the result.
+    surface : Mesh or StructuredGrid, optional
+        Triangles or quads on which the points shall lie, such as a scan. The grid's points are put on it, its boundary,
+        too, which is told if it lay off; then they stay on the facets, while the equations hold in the tangent planes
+        of normals that turn smoothly. A sharp ridge is so rounded for the equations, not for the points.
     control : {"none", "boundary spacing"}
         Control functions from the given grid's spacing at its sides, or none.
     walls : {"none", "south", "east", "north", "west", "south and north", "west and east", "all"}
-        Sides at which lines shall leave at an angle and the first cells have a height, as for `elliptic`.
+        Sides of a planar grid at which lines shall leave at an angle and the first cells have a height, as for
+        `elliptic`.
     first_height : Length, optional
         Length of the first edge at walls.
     wall_angle : float
@@ -99,15 +111,16 @@ def elliptically_smoothed(
     Raises
     ------
     InvalidInput
-        If the grid has layers, or a control is impossible.
+        If the grid has layers, or a control is impossible, such as walls of a curved grid.
     InvalidGeometry
-        If the grid does not lie in one plane, or the quads of a mesh are not in rows and columns.
+        If the quads of a mesh are not in rows and columns, or a surface has no facets, or one side only.
     GenerationFailed
         If cells stay folded; `cells` are the folded ones, `partial` the grid.
 
     References
     ----------
-    Survey, section 2.5.1. J. F. Thompson, Z. U. A. Warsi, C. W. Mastin, "Numerical Grid Generation" (1985), chapter VI.
+    Survey, sections 2.5.1 and 2.6. J. F. Thompson, Z. U. A. Warsi, C. W. Mastin, "Numerical Grid Generation" (1985),
+    chapter VI. Z. U. A. Warsi, J. Comput. Phys. 64 (1986), for surfaces.
 
     Examples
     --------
@@ -131,7 +144,11 @@ def elliptically_smoothed(
         most_cycles=max_cycles,
         threads=checked_threads(threads),
     )
-    result = solved(start, asked, progress)
+    faceted = None if surface is None else FacetedSurface(surface)
+    if faceted is not None:
+        start, told = put_on(faceted, start, _COINCIDENT * start.diagonal, "the grid's sides")
+        warnings += told
+    result = solved(start, asked, faceted, progress)
     result.report.warnings[:0] = warnings
     return result
 

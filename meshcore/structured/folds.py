@@ -8,6 +8,7 @@ import numpy as np
 
 from ..errors import GenerationFailed
 from ..mesh import StructuredGrid, topology
+from .control_functions import poles
 
 FLAT = 1e-12
 """Sine of a corner's angle below which the corner counts as flat: round-off of coordinates near 1."""
@@ -20,7 +21,8 @@ def folded_cells(points: np.ndarray) -> np.ndarray:
 
     In a plane, of any attitude, a cell is sound if its Jacobian is positive at all four corners. In space there is
     no outside to compare with: a cell is folded if a corner's normal points against the cell's; creases of more than
-    120 degrees cut the surface into parts, and those that face against the largest part are turned over.
+    120 degrees cut the surface into parts, and those that face against the largest part are turned over. At a side that
+    is one point cells are triangles, of which the corner there is not judged.
 
     Parameters
     ----------
@@ -46,9 +48,9 @@ def folded_cells(points: np.ndarray) -> np.ndarray:
     return _folded_in_space(points) if normal is None else _folded_in_plane(points, normal)
 
 
-def refuse_folds(grid: StructuredGrid, cure: str) -> None:
-    """Raise `GenerationFailed`, with the cells and the grid, if a surface grid has folded cells."""
-    folded = folded_cells(grid.points[:, :, 0])
+def refuse_folds(grid: StructuredGrid, cure: str, folded: np.ndarray | None = None) -> None:
+    """Raise `GenerationFailed`, with cells and grid, if a surface grid has folded cells, which may be known already."""
+    folded = folded_cells(grid.points[:, :, 0]) if folded is None else folded
     if not folded.any():
         return
     i, j = np.argwhere(folded)[0]
@@ -72,12 +74,30 @@ def _corner_edges(points: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]
 def _folded_in_plane(points: np.ndarray, normal: np.ndarray) -> np.ndarray:
     first = np.cross(np.eye(3)[np.argmin(np.abs(normal))], normal)
     axes = np.array([first, np.cross(normal, first)]) / np.linalg.norm(first)
-    folded = np.zeros((len(points) - 1, points.shape[1] - 1), bool)
-    for edge, back in _corner_edges((points - points[0, 0]) @ axes.T):
+    folded = np.zeros((4, len(points) - 1, points.shape[1] - 1), bool)
+    for corner, (edge, back) in enumerate(_corner_edges((points - points[0, 0]) @ axes.T)):
         cross = edge[..., 0] * back[..., 1] - edge[..., 1] * back[..., 0]
         size = np.hypot(edge[..., 0], edge[..., 1]) * np.hypot(back[..., 0], back[..., 1])
-        folded |= cross <= FLAT * size
-    return folded
+        folded[corner] = cross <= FLAT * size
+    return beside_poles(folded, points).any(axis=0)
+
+
+def beside_poles(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """(4, ni - 1, nj - 1) bool of cells' corners, without those at sides of the grid that are one point.
+
+    Examples
+    --------
+    >>> fan = np.stack(np.meshgrid([0.0, 1], [0.0, 1, 2], indexing="ij"), axis=-1)
+    >>> fan[:, 0] = 0.5
+    >>> beside_poles(np.ones((4, 1, 2), bool), fan).sum(axis=0)
+    array([[2, 4]])
+    """
+    at = {(1, 0): ((0, 1), np.s_[:, 0]), (0, -1): ((1, 2), np.s_[-1])}
+    at |= {(1, -1): ((2, 3), np.s_[:, -1]), (0, 0): ((3, 0), np.s_[0])}
+    for pole in poles(points):
+        for corner in at[pole][0]:
+            corners[corner][at[pole][1]] = False
+    return corners
 
 
 def _plane_normal(points: np.ndarray, area: np.ndarray) -> np.ndarray | None:
@@ -98,7 +118,7 @@ def _folded_in_space(points: np.ndarray) -> np.ndarray:
     sizes = np.stack([np.linalg.norm(edge, axis=-1) * np.linalg.norm(back, axis=-1) for edge, back in pairs])
     normal = corners.sum(axis=0)
     length = np.linalg.norm(normal, axis=-1)
-    folded = ((corners * normal).sum(axis=-1) <= FLAT * sizes * length).any(axis=0)
+    folded = beside_poles((corners * normal).sum(axis=-1) <= FLAT * sizes * length, points).any(axis=0)
     unit = normal / np.where(length > 0, length, 1.0)[..., None]
     along_i = (unit[1:] * unit[:-1]).sum(axis=-1) >= CREASE
     along_j = (unit[:, 1:] * unit[:, :-1]).sum(axis=-1) >= CREASE

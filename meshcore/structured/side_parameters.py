@@ -1,10 +1,11 @@
-"""What operations on four sides ask alike: their ports and parameters, each declared once."""
+"""What operations on sides and surfaces ask alike: their ports and parameters, each declared once."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Union
 
 from ..geometry.curves import Curve
+from ..mesh import Mesh, StructuredGrid
 from ..operation import Length, Param, Port
 
 _SIDE = "line cells in one chain, or points in order"
@@ -15,6 +16,11 @@ SouthPort = Annotated[
 EastPort = Annotated[Curve | None, Port(f"East side: {_SIDE}", cells=("line",))]
 NorthPort = Annotated[Curve | None, Port(f"North side: {_SIDE}", cells=("line",))]
 WestPort = Annotated[Curve | None, Port(f"West side: {_SIDE}", cells=("line",))]
+
+SurfacePort = Annotated[
+    Union[Mesh, StructuredGrid, None],
+    Port("Triangles or quads on which the grid shall lie, such as a scan", cells=("triangle", "quad"), named=True),
+]
 
 CellsIParam = Annotated[
     int | None, Param("Cells along south and north; by default as their points are given", min=1, soft_max=500)

@@ -60,12 +60,33 @@ class Line:
     @cached_property
     def averages(self) -> Table:
         """Means under hats as wide as coarse cells: for the defect."""
-        ratio = self.fine / self.coarse
-        at = np.arange(self.coarse + 1) * ratio
-        index = np.rint(at).astype(np.int64)[:, None] + np.arange(-2, 3)
-        weight = np.maximum(0.0, 1 - np.abs(index - at[:, None]) / ratio)
+        index, weight = _hats(self)
         weight[(index < 0) | (index > self.fine)] = 0
         return np.clip(index, 0, self.fine), weight / weight.sum(axis=1, keepdims=True)
+
+
+class Ring(Line):
+    """A `Line` around a closed direction, whose last node is its first.
+
+    Examples
+    --------
+    >>> Ring(4, 2).averages[0].tolist()
+    [[2, 3, 0, 1, 2], [0, 1, 2, 3, 0], [2, 3, 0, 1, 2]]
+    """
+
+    @cached_property
+    def averages(self) -> Table:
+        """Means under hats as wide as coarse cells, across the cut, too."""
+        index, weight = _hats(self)
+        return index % self.fine, weight / weight.sum(axis=1, keepdims=True)
+
+
+def _hats(line: Line) -> Table:
+    """Nodes of the fine grid under the hats at coarse nodes, some beyond the ends, and the hats' values there."""
+    ratio = line.fine / line.coarse
+    at = np.arange(line.coarse + 1) * ratio
+    index = np.rint(at).astype(np.int64)[:, None] + np.arange(-2, 3)
+    return index, np.maximum(0.0, 1 - np.abs(index - at[:, None]) / ratio)
 
 
 def _linear(n: int, m: int) -> Table:

@@ -1,20 +1,19 @@
-"""Elliptic grids on curved surfaces, in the surface's parameters (survey 2.6)."""
+"""Elliptic grids on curved surfaces: with parameters, through a grid's points, or of facets (survey 2.6)."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from ..geometry.closest import FacetedSurface
 from ..geometry.surfaces import SplineSurface, Surface
 from ..progress import Progress, silent
 from ..threads import Workers
-from . import _winslow_surface_kernels as kernels
 from .control_functions import from_boundary
-from .multigrid import Level, Outcome, first_level, solve
-from .transfer import Transfer, coarsened, growth_on_coarse
+from .multigrid import Outcome, first_level, solve
+from .surface_levels import levels_on
 
 FIRST_CELLS = 32
 """Full multigrid begins on the coarsest grid with so many cells in each direction, or as many as there are."""
-_NONE = np.zeros(0)
 
 
 def solved(
@@ -22,6 +21,7 @@ def solved(
     parameters: np.ndarray,
     *,
     growth: np.ndarray | None = None,
+    cyclic: bool = False,
     tolerance: float | None = None,
     most: int = 50,
     progress: Progress = silent,
@@ -41,6 +41,8 @@ def solved(
         Control functions along i and j, as logarithms of the growth from one cell to the next: theta makes cells along
         a straight line grow by exp(theta), with the control function -2 tanh(theta / 2) in index units. By default
         there are none: Laplace.
+    cyclic : bool
+        Whether the grid's last row is its first, on a surface on which u + 1 is u: the points of both are free.
     tolerance : float, optional
         Residual to reach, as part of the start's; by default the grid is within a thousandth of the local spacing
         of the converged one.
@@ -66,19 +68,76 @@ def solved(
     >>> bool(abs(parameters - start).max() < 1e-9)
     True
     """
-    if min(parameters.shape[:2]) < 3:
-        return parameters.copy(), Outcome([0.0], True, 0.0)
+    return _solved(surface, parameters, growth, cyclic, tolerance, most, progress)
+
+
+def draped(
+    surface: FacetedSurface,
+    points: np.ndarray,
+    *,
+    growth: np.ndarray | None = None,
+    cyclic: bool = False,
+    tolerance: float | None = None,
+    most: int = 50,
+    progress: Progress = silent,
+) -> tuple[np.ndarray, Outcome]:
+    """The elliptic grid on a surface of facets with the boundary of a given one.
+
+    In the discrete equations g^ij r_ij, what is tangential to the surface's smooth normals vanishes, while the points
+    lie on the facets. So the grid is harmonic on the surface that the facets stand for, as near as they come to it.
+
+    Parameters
+    ----------
+    surface : FacetedSurface
+        Where the points lie.
+    points : (ni, nj, 3) float
+        A start near the surface, whose boundary is kept as it is.
+    growth, cyclic, tolerance, most, progress
+        As for `solved`.
+
+    Returns
+    -------
+    points : (ni, nj, 3) float
+    outcome : Outcome
+        Folded cells are not looked for.
+
+    Examples
+    --------
+    >>> from meshcore.gallery import triangulated_square
+    >>> start = np.stack(np.meshgrid(*[np.linspace(0, 1, 7)] * 2, [0.0], indexing="ij"), axis=-1)[:, :, 0]
+    >>> moved = start.copy()
+    >>> moved[3, 3] = 0.6
+    >>> points, outcome = draped(FacetedSurface(triangulated_square()), moved, tolerance=1e-10)
+    >>> bool(abs(points - start).max() < 1e-9)
+    True
+    """
+    return _solved(surface, points, growth, cyclic, tolerance, most, progress)
+
+
+def _solved(surface, start, growth, cyclic, tolerance, most, progress) -> tuple[np.ndarray, Outcome]:
+    """(ni, nj, m) unknowns from a start in them; the boundary's are kept."""
+    if min(start.shape[:2]) < 3:
+        return start.copy(), Outcome([0.0], True, 0.0)
     with Workers(1) as workers:
-        levels = _levels(surface, parameters, growth, workers)
+        levels = levels_on(surface, np.ascontiguousarray(np.moveaxis(start, -1, 0)), growth, cyclic, workers)
         first = first_level(levels, FIRST_CELLS)
         outcome = solve(levels, first=first, tolerance=tolerance, most=most, workers=workers, progress=progress)
-    new = parameters.copy()
-    new[1:-1, 1:-1] = np.moveaxis(levels[0].x, 0, -1)[1:-1, 1:-1]
+        levels[0].settle()
+    new = start.copy()
+    inner = np.s_[:, 1:-1] if cyclic else np.s_[1:-1, 1:-1]
+    new[inner] = np.moveaxis(levels[0].x, 0, -1)[inner]
     return new, outcome
 
 
 def smoothed(
-    points: np.ndarray, *, controlled: bool = False, most: int = 50, progress: Progress = silent
+    points: np.ndarray,
+    *,
+    controlled: bool = False,
+    growth: np.ndarray | None = None,
+    cyclic: bool = False,
+    tolerance: float | None = None,
+    most: int = 50,
+    progress: Progress = silent,
 ) -> tuple[np.ndarray, Outcome]:
     """The elliptic grid on the bicubic surface through the points of a grid, with the same boundary.
 
@@ -88,10 +147,12 @@ def smoothed(
         A grid in space, or in a plane.
     controlled : bool
         Whether the boundary's spacing is carried inside, or Laplace's equation evens it out.
-    most : int
-        Cycles that are done at most.
-    progress : Progress, optional
-        Called with fraction and message.
+    growth : (2, ni, nj) float, optional
+        Control functions in place of these, as for `solved`.
+    cyclic : bool
+        Whether the last row is the first: the surface runs on through it, and its points are free.
+    tolerance, most, progress
+        As for `solved`.
 
     Returns
     -------
@@ -113,90 +174,21 @@ def smoothed(
     >>> bool(abs(points[..., 1] - y).max() < 1e-3)
     True
     """
-    surface = SplineSurface(points)
-    growth = from_boundary(points) if controlled else None
-    found, outcome = solved(surface, surface.parameters, growth=growth, most=most, progress=progress)
-    new = np.array(points, float)
-    inner = (slice(1, -1), slice(1, -1))
-    new[inner] = surface.points(*np.moveaxis(found, -1, 0))[inner]
-    return new, outcome
-
-
-class _Patch(Level):
-    """One grid on the surface: x and f of shape (2, ni, nj), and the points and tangents that belong to x."""
-
-    def __init__(self, surface: Surface, size: float, x: np.ndarray, growth: np.ndarray, sign: float):
-        self.x = np.ascontiguousarray(x)
-        self.f = np.zeros_like(self.x)
-        self._surface, self._size, self._sign = surface, size, sign
-        self._control = -2 * np.tanh(growth.reshape(-1) / 2)
-        self._shape = self.x.shape[1:]
-        self._defect = np.zeros_like(self.x)
-        self._line = np.empty((3, max(self._shape)))
-
-    def _evaluated(self) -> tuple[np.ndarray, np.ndarray]:
-        """Flat points and tangents at x, which is kept on the surface."""
-        for q in (0, 1):
-            np.clip(self.x[q], self._surface.low[q], self._surface.high[q], out=self.x[q])
-        points = self._surface.points(*self.x) / self._size
-        tangents = np.concatenate(self._surface.tangents(*self.x), axis=-1) / self._size
-        return (np.moveaxis(a, -1, 0).ravel() for a in (points, tangents))  # type: ignore[return-value]
-
-    def smooth(self, *, back: bool) -> None:
-        """Zebra lines along i and j, or in the reverse order."""
-        for axis in (1, 0) if back else (0, 1):
-            r, t = self._evaluated()
-            kernels.relax(r, t, self.x.reshape(-1), self.f.reshape(-1), self._control, self._shape, axis, self._line)
-
-    def defect(self) -> np.ndarray:
-        """f - N(x), zero on the boundary; the array is used again by the next call."""
-        self._squares()
-        return self._defect
-
-    def residual(self) -> float:
-        """Root mean square of the lengths by which point relaxation would move the nodes."""
-        return float(np.sqrt(self._squares() / np.prod([n - 2 for n in self._shape])))
-
-    def _squares(self) -> float:
-        r, t = self._evaluated()
-        return kernels.defect(r, t, self.f.reshape(-1), self._control, self._shape, self._defect.reshape(-1))
-
-    def folded(self) -> int:
-        """Cells with a corner whose angle in the parameters is zero or has the wrong sign."""
-        return int((self._sign * corner_areas(np.moveaxis(self.x, 0, -1)) <= 0).any(axis=0).sum())
-
-    def largest_move(self, before: np.ndarray) -> float:
-        """Largest move of a node since ``before``, in local spacings."""
-        new, old = (self._surface.points(*x) for x in (self.x, np.ascontiguousarray(before)))
-        spacing = np.minimum(*(np.linalg.norm(np.gradient(new, axis=axis), axis=-1) for axis in (0, 1)))
-        moved = np.linalg.norm(new - old, axis=-1)
-        return float((moved / np.maximum(spacing, kernels.TINY))[1:-1, 1:-1].max())
-
-
-def corner_areas(plane: np.ndarray) -> np.ndarray:
-    """(4, ni - 1, nj - 1) twice the signed areas of the triangles at the corners of the cells of a planar grid.
-
-    Examples
-    --------
-    >>> corner_areas(np.array([[[0, 0], [0, 2]], [[1, 0], [1, 2.0]]])).ravel()
-    array([2., 2., 2., 2.])
-    """
-    quad = [plane[:-1, :-1], plane[1:, :-1], plane[1:, 1:], plane[:-1, 1:]]
-    edges = [quad[(k + 1) % 4] - quad[k] for k in range(4)]
-    return np.stack(
-        [edges[k - 1][..., 0] * edges[k][..., 1] - edges[k - 1][..., 1] * edges[k][..., 0] for k in range(4)]
+    surface = SplineSurface(points, cyclic=cyclic)
+    if controlled and growth is None:
+        growth = from_boundary(points, cyclic=cyclic)
+    found, outcome = solved(
+        surface,
+        surface.parameters,
+        growth=growth,
+        cyclic=cyclic,
+        tolerance=tolerance,
+        most=most,
+        progress=progress,
     )
-
-
-def _levels(surface: Surface, parameters: np.ndarray, growth: np.ndarray | None, workers: Workers) -> list[Level]:
-    """The grid and ever coarser ones, down to where no direction can be coarsened."""
-    x = np.ascontiguousarray(np.moveaxis(parameters, -1, 0))
-    theta = np.empty((2, 0, 0)) if growth is None else growth
-    size = float(np.ptp(surface.points(*x).reshape(-1, 3), axis=0).max()) or 1.0
-    sign = 1.0 if corner_areas(parameters).sum() >= 0 else -1.0
-    levels: list[Level] = [_Patch(surface, size, x, theta, sign)]
-    while lines := coarsened(levels[-1].x.shape[1:]):
-        transfer = levels[-1].transfer = Transfer(lines, workers)
-        theta = theta if growth is None else growth_on_coarse(transfer, theta)
-        levels.append(_Patch(surface, size, transfer.sampled(levels[-1].x), theta, sign))
-    return levels
+    new = np.array(points, float)
+    inner = np.s_[:, 1:-1] if cyclic else np.s_[1:-1, 1:-1]
+    new[inner] = surface.points(*np.moveaxis(found, -1, 0))[inner]
+    if cyclic:
+        new[-1] = new[0]
+    return new, outcome

@@ -146,18 +146,6 @@ def test_what_is_no_grid_is_refused():
         mc.elliptically_smoothed([[0, 0, 0]])
     with pytest.raises(InvalidGeometry, match="four corners"):
         mc.elliptically_smoothed(gallery.dented_box(4))
-    bent = quads.points + np.array([0, 0, 0.3]) * quads.points[:, :1] ** 2
-    with pytest.raises(InvalidGeometry, match="plane"):
-        mc.elliptically_smoothed(mc.Mesh(bent, {"quad": quads.get("quad")}))
-
-
-def test_a_point_off_the_plane_is_told_by_its_number_in_files():
-    points = np.array(mc.StructuredGrid(wavy(7, 4, 0.0)).points)
-    points[5, 1, 0, 2] = 0.3
-    grid = mc.StructuredGrid(points)
-    for given in (grid, grid.to_mesh()):
-        with pytest.raises(InvalidGeometry, match=f"point {5 + 7 * 1} is"):
-            mc.elliptically_smoothed(given)
 
 
 @pytest.mark.parametrize("make", [rough_ring, open_ring])

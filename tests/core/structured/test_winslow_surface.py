@@ -5,8 +5,9 @@ import pytest
 
 from meshcore.geometry.surfaces import ParametricSurface, SplineSurface
 from meshcore.structured import _winslow_surface_kernels as kernels
+from meshcore.structured.surface_levels import corner_areas
 from meshcore.structured.winslow_3d import solved as solved_in_space
-from meshcore.structured.winslow_surface import corner_areas, solved
+from meshcore.structured.winslow_surface import solved
 from tests import naive
 
 
@@ -40,7 +41,7 @@ def test_the_defect_is_that_of_the_slow_twin():
     points, tangents = SPHERE.points(*np.moveaxis(x, -1, 0)), SPHERE.tangents(*np.moveaxis(x, -1, 0))
     r, t = (np.moveaxis(a, -1, 0).ravel() for a in (points, np.concatenate(tangents, axis=-1)))
     d = np.zeros(x.size)
-    kernels.defect(r, t, np.zeros(x.size), np.zeros(0), x.shape[:2], d)
+    kernels.defect(r, t, np.zeros(x.size), np.zeros(0), x.shape[:2], False, d)
     expected = -naive.tangential_defects(points, tangents)
     np.testing.assert_allclose(np.moveaxis(d.reshape(2, *x.shape[:2]), 0, -1), expected, atol=1e-14)
     assert abs(expected).max() > 1e-5
@@ -147,3 +148,50 @@ def test_the_boundary_is_kept():
     found, _ = solved(SPHERE, x)
     for side in (np.s_[0], np.s_[-1], np.s_[:, 0], np.s_[:, -1]):
         assert (found[side] == x[side]).all()
+
+
+def test_around_a_ring_the_defect_is_that_of_the_slow_twin():
+    s, t = np.meshgrid(np.arange(12) / 11, np.arange(9) / 8, indexing="ij")
+    u, v = 2 * np.pi * (s + 0.05 * np.sin(3 * t) * np.sin(2 * np.pi * s)), 0.2 + t + 0.05 * np.cos(4 * np.pi * s)
+    x = np.stack([u, v], axis=-1)
+    points = on_sphere(u, v)
+    tangents = [np.stack([-np.sin(u) * np.cos(v), np.cos(u) * np.cos(v), 0 * v], axis=-1)]
+    tangents.append(np.stack([-np.cos(u) * np.sin(v), -np.sin(u) * np.sin(v), np.cos(v)], axis=-1))
+    r, tt = (np.moveaxis(a, -1, 0).ravel() for a in (points, np.concatenate(tangents, axis=-1)))
+    d = np.zeros(x.size)
+    kernels.defect(r, tt, np.zeros(x.size), np.zeros(0), x.shape[:2], True, d)
+    turned = [np.concatenate([a[-2:-1], a, a[1:2]]) for a in (points, *tangents)]
+    expected = -naive.tangential_defects(turned[0], turned[1:])[1:-2]
+    np.testing.assert_allclose(np.moveaxis(d.reshape(2, *x.shape[:2]), 0, -1)[:-1], expected, atol=1e-13)
+    assert abs(expected[[0, -1]]).max() > 1e-5
+
+
+@pytest.mark.parametrize("ring", [False, True])
+@pytest.mark.parametrize("count", [1, 3, 4, 9])
+def test_lines_are_solved_as_dense_matrices_are(ring, count):
+    if ring and count < 3:
+        return
+    rng = np.random.default_rng(count)
+    low, high, right = rng.uniform(0.2, 1, count), rng.uniform(0.2, 1, count), rng.normal(size=(2, count))
+    middle = low + high + rng.uniform(0.1, 1, count)
+    matrix = np.diag(middle) - np.diag(low[1:], -1) - np.diag(high[:-1], 1)
+    if ring:
+        matrix[0, -1] -= low[0]
+        matrix[-1, 0] -= high[-1]
+    line = np.full((4, count + 2), 7.0)
+    for l in range(count):
+        kernels.eliminate(line, l, count, ring, low[l], middle[l], high[l], *right[:, l])
+    kernels.substitute(line, count, ring)
+    np.testing.assert_allclose(line[1:3, :count], np.linalg.solve(matrix, right.T).T, rtol=1e-12)
+
+
+def test_a_solved_ring_obeys_the_slow_twin_across_its_cut():
+    start = square(20, 12) * [1, 1.0]
+    start[..., 1] += 0.1 * np.sin(2 * np.pi * start[..., 0]) * start[..., 1]
+    start[..., 0] += 0.05 * np.sin(np.pi * start[..., 1])
+    sphere = ParametricSurface(lambda u, v: on_sphere(2 * np.pi * u, v), u=(-2, 3), v=(-1, 1.4))
+    x, outcome = solved(sphere, start, cyclic=True, tolerance=1e-11)
+    assert outcome.converged and abs(x[-1] - x[0] - [1, 0]).max() < 1e-12
+    x = np.concatenate([x[-3:-1] - [1, 0], x])
+    points, tangents = sphere.points(*np.moveaxis(x, -1, 0)), sphere.tangents(*np.moveaxis(x, -1, 0))
+    assert abs(naive.tangential_defects(points, tangents)[1:-1]).max() < 1e-11

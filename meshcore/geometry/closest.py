@@ -1,0 +1,148 @@
+"""The closest points of a surface of triangles and quads, with normals that turn smoothly from facet to facet."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..errors import InvalidGeometry, InvalidInput
+from ..mesh import Mesh, StructuredGrid, topology
+from .alternating_digital_tree import Nearest
+
+
+class Foot(NamedTuple):
+    """Where points come to lie on a surface.
+
+    Attributes
+    ----------
+    points : (m, 3) float
+        The closest points of the facets.
+    normals : (m, 3) float
+        Unit normals there, interpolated from those at the facets' corners.
+    distance : (m,) float
+        How far the closest points are.
+    """
+
+    points: np.ndarray
+    normals: np.ndarray
+    distance: np.ndarray
+
+
+class FacetedSurface:
+    """A surface of triangles in space, prepared to have points dropped on it.
+
+    Facets are turned so that neighbours agree; which side of the whole is the front is that of its first facet. Points
+    come to lie on the facets themselves; normals are those of the corners, means of the facets around them weighted by
+    their angles, interpolated across each facet: so they turn without jumps, also over a sharp ridge.
+
+    Parameters
+    ----------
+    mesh : Mesh or StructuredGrid
+        Triangles and quads, open or closed. Quads count as two triangles, cut from their first corner. Facets without
+        area are passed over.
+    parameter : str
+        What errors call the mesh.
+
+    Raises
+    ------
+    InvalidInput
+        If it is no mesh, or has no such cells; others are passed over.
+    InvalidGeometry
+        If no facet has an area, or the surface has one side only, as a Moebius strip.
+
+    References
+    ----------
+    G. Thuermer, C. A. Wuethrich, "Computing vertex normals from polygonal facets", J. Graphics Tools 3 (1998).
+    Survey, section 3.2.3, for the tree.
+
+    Examples
+    --------
+    >>> roof = Mesh([[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]], {"quad": [[0, 1, 2, 3]]})
+    >>> foot = FacetedSurface(roof).closest(np.array([[0.5, 1.0, 0.25], [3.0, 1.0, 0.0]]))
+    >>> foot.points.tolist(), foot.distance.tolist()
+    ([[0.5, 1.0, 0.0], [2.0, 1.0, 0.0]], [0.25, 1.0])
+    """
+
+    def __init__(self, mesh: Mesh | StructuredGrid, parameter: str = "surface"):
+        if isinstance(mesh, StructuredGrid):
+            mesh = mesh.to_mesh()
+        if not isinstance(mesh, Mesh):
+            raise InvalidInput(f"needs a Mesh or a StructuredGrid, got {type(mesh).__name__}", parameter=parameter)
+        quads = mesh.get("quad")
+        corners = np.concatenate([mesh.get("triangle"), quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+        if not len(corners):
+            raise InvalidInput(f"needs triangles or quads, got {mesh!r}", parameter=parameter)
+        area = np.linalg.norm(_area_vectors(mesh.points[corners]), axis=1)
+        corners = corners[area > 0]
+        if not len(corners):
+            raise InvalidGeometry(f"has {len(area)} facets, none of which has an area", parameter=parameter)
+        self.corners = _agreeing(_merged(mesh.points, corners), corners, parameter)
+        self.points = mesh.points
+        self.normals = _corner_normals(_merged(mesh.points, self.corners), mesh.points[self.corners])
+        self._nearest = Nearest(mesh.points[self.corners])
+
+    def closest(self, points: np.ndarray) -> Foot:
+        """The closest point of the surface to each of (m, 3) finite points."""
+        facet, weights, distance = self._nearest.query(points)
+        at = np.einsum("mk,mkq->mq", weights, self.points[self.corners[facet]])
+        normals = np.einsum("mk,mkq->mq", weights, self.normals[facet])
+        return Foot(at, _unit(normals), distance)
+
+
+def _merged(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Corners by numbers that points at one place share: files of triangles repeat them, and so do cuts."""
+    _, number = np.unique(points + 0.0, axis=0, return_inverse=True)  # no negative zeros
+    return number.reshape(-1)[corners]
+
+
+def _area_vectors(x: np.ndarray) -> np.ndarray:
+    return np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
+
+
+def _unit(vectors: np.ndarray) -> np.ndarray:
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return vectors / np.where(length > 0, length, 1.0)
+
+
+def _agreeing(number: np.ndarray, corners: np.ndarray, parameter: str) -> np.ndarray:
+    """The corners of triangles, turned so that two which share an edge run along it in opposite directions.
+
+    Each triangle stands twice in a graph, as it is and turned; where two agree as they are they are joined so, and also
+    when both are turned. A surface with two sides falls apart into one part for each side.
+    """
+    m = len(corners)
+    edge = number[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    forward = edge[:, 0] < edge[:, 1]
+    key = topology.edge_keys(edge, int(number.max()) + 1)
+    order = np.argsort(key, kind="stable")
+    at = np.flatnonzero(np.diff(key[order]) == 0)
+    one, two = order[at], order[at + 1]
+    count = np.unique(key[order], return_counts=True)[1]
+    many = np.repeat(count > 2, count)[at]  # edges of three facets or more say nothing about which sides agree
+    one, two = one[~many], two[~many]
+    same = forward[one] == forward[two]
+    a, b = one // 3, two // 3
+    pairs = np.concatenate([np.column_stack([a, b + m * same]), np.column_stack([a + m, b + m * ~same])])
+    part = topology.connected(pairs, 2 * m)
+    if (part[:m] == part[m:]).any():
+        raise InvalidGeometry(
+            "has one side only, as a Moebius strip; cut it open, or leave out facets that the grid does not touch",
+            parameter=parameter,
+        )
+    turned = part[:m] > part[m:]
+    return topology.turned("triangle", corners, turned)
+
+
+def _corner_normals(number: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """(m, 3, 3) float: for each corner of each triangle the unit normal of the surface at its point."""
+    facet = _unit(_area_vectors(x))
+    ahead, behind = _unit(np.roll(x, -1, axis=1) - x), _unit(np.roll(x, 1, axis=1) - x)
+    angle = np.arccos(np.clip((ahead * behind).sum(axis=-1), -1, 1))
+    weighted = angle[..., None] * facet[:, None, :]
+    size = int(number.max()) + 1
+    total = np.column_stack([np.bincount(number.ravel(), weighted[..., q].ravel(), size) for q in range(3)])
+    # Where facets lie back to back, as at the edge of a folded sheet, each keeps its own.
+    lost = np.linalg.norm(total, axis=1) < 1e-9
+    normals = _unit(total)[number]
+    return np.where(lost[number][..., None], facet[:, None, :], normals)

@@ -1,0 +1,200 @@
+"""Elliptic grids of curved surfaces, by the operations: known grids, closed grids, poles, facets, what is refused."""
+
+import numpy as np
+import pytest
+
+import meshcore as mc
+from meshcore.errors import GenerationFailed, InvalidGeometry, InvalidInput
+from meshcore.geometry.closest import FacetedSurface
+from meshcore.structured.control_functions import from_boundary, from_poles
+from meshcore.structured.folds import folded_cells
+from tests.core.structured.test_winslow_surface import on_sphere, rolled, square, wavy
+
+
+def cylinder(n, m, rough=1.0):
+    """A unit cylinder of height 2, closed along i, with points shifted about on it."""
+    s, t = np.meshgrid(np.arange(n + 1) / n, np.arange(m + 1) / m, indexing="ij")
+    inside = rough * np.sin(np.pi * t)
+    angle = 2 * np.pi * s + 0.3 * inside * np.sin(6 * np.pi * s + 1)
+    points = np.stack([np.cos(angle), np.sin(angle), 2 * t + 0.12 * inside * np.cos(8 * np.pi * s)], axis=-1)
+    points[-1] = points[0]
+    return points
+
+
+def cap(n, m, rough=1.0, angle=0.5 * np.pi):
+    """A unit sphere from its pole, j = 0, down to an angle, closed along i."""
+    s, t = np.meshgrid(np.arange(n + 1) / n, np.arange(m + 1) / m, indexing="ij")
+    inside = rough * np.sin(np.pi * t)
+    turn = 2 * np.pi * s + 0.2 * inside * np.sin(6 * np.pi * s + 1)
+    down = angle * (t + 0.06 * inside * np.cos(8 * np.pi * s))
+    points = np.stack([np.cos(turn) * np.sin(down), np.sin(turn) * np.sin(down), np.cos(down)], axis=-1)
+    points[-1], points[:, 0] = points[0], [0, 0, 1]
+    return points
+
+
+def test_a_closed_grid_on_a_cylinder_becomes_even():
+    errors = []
+    for n in (24, 48, 96):
+        ring = mc.StructuredGrid(cylinder(n, n // 2), periodic=(True, False, False))
+        grid, report = mc.elliptically_smoothed(ring, residual=1e-10)
+        assert report.converged and not report.warnings and grid.periodic == (True, False, False)
+        points = grid.points[:, :, 0]
+        assert (points[0] == points[-1]).all() and (points[:, [0, -1]] == ring.points[:, [0, -1], 0]).all()
+        errors.append(np.abs(points - cylinder(n, n // 2, 0.0)).max())
+    # The surface is the spline through the points, which is the cylinder to fourth order.
+    assert errors[-1] < 1e-5 and (np.log2(np.divide(errors[:-1], errors[1:])) > 3).all(), errors
+
+
+def test_a_closed_grid_is_the_same_however_it_is_given():
+    points = cylinder(24, 12)
+    grid, _ = mc.elliptically_smoothed(mc.StructuredGrid(points, periodic=(True, False, False)), residual=1e-10)
+    open_, _ = mc.elliptically_smoothed(mc.StructuredGrid(points), residual=1e-10)
+    assert np.array_equal(open_.points, grid.points)
+    across, _ = mc.elliptically_smoothed(mc.StructuredGrid(points.swapaxes(0, 1)), residual=1e-10)
+    np.testing.assert_allclose(across.points[:, :, 0].swapaxes(0, 1), grid.points[:, :, 0], atol=1e-12)
+    assert across.periodic == (False, True, False)
+    # Where it is cut does not matter.
+    moved = np.concatenate([points[7:-1], points[:8]])
+    turned, _ = mc.elliptically_smoothed(mc.StructuredGrid(moved), residual=1e-10)
+    np.testing.assert_allclose(turned.points[:-8], grid.points[7:-1], atol=1e-7)
+    mesh, _ = mc.elliptically_smoothed(grid.to_mesh(), residual=1e-10)
+    assert mesh.periodic == grid.periodic and mesh.shape == grid.shape
+
+
+def test_a_pole_is_kept_and_circles_around_it_become_even():
+    errors = []
+    for n in (32, 64):
+        grid, report = mc.elliptically_smoothed(mc.StructuredGrid(cap(n, n // 2, angle=0.5)), residual=1e-10)
+        assert report.converged and "one point" in report.warnings[0]
+        points = grid.points[:, :, 0]
+        assert (points[:, 0] == [0, 0, 1]).all() and not folded_cells(points).any()
+        errors.append(np.abs(points - cap(n, n // 2, 0.0, 0.5)).max())
+    assert errors[-1] < 5e-3, errors  # even circles are exact in a plane; a cap of 30 degrees is nearly one
+    kept, report = mc.elliptically_smoothed(mc.StructuredGrid(cap(40, 20)), control="boundary spacing")
+    assert report.converged and not report.warnings
+    down = np.degrees(np.arccos(np.clip(kept.points[:, :, 0, 2], -1, 1)))
+    assert np.ptp(down[:-1], axis=0).max() < 0.1 and np.diff(down[0]).min() > 3  # of 4.5 degrees each
+
+
+def test_even_circles_in_a_plane_obey_the_equations_with_the_control_of_a_pole():
+    angle, radius = np.meshgrid(2 * np.pi * np.arange(25) / 24, np.arange(13) / 12, indexing="ij")
+    fan = np.stack([radius * np.cos(angle), radius * np.sin(angle), 0 * angle], axis=-1)
+    fan[-1], fan[:, 0] = fan[0], 0
+    expected = from_poles(fan)
+    np.testing.assert_allclose(np.tanh(expected[1, 0, 1:] / 2), -0.5 / np.arange(1, 13))
+    np.testing.assert_allclose(from_boundary(fan, cyclic=True)[1, :, 1:3], expected[1, :, 1:3], atol=0.05)
+    assert from_poles(fan[:, 1:]) is None
+
+
+def test_both_poles_of_a_sphere():
+    sphere = cap(32, 24, angle=np.pi)
+    sphere[:, -1] = [0, 0, -1]
+    grid, report = mc.elliptically_smoothed(mc.StructuredGrid(sphere))
+    assert report.converged
+    down = np.degrees(np.arccos(np.clip(grid.points[:-1, :, 0, 2], -1, 1)))
+    assert np.abs(down + down[:, ::-1] - 180).max() < 0.5 and np.ptp(down, axis=0).max() < 0.5
+
+
+def test_a_torus_is_held_at_one_line():
+    s, t = np.meshgrid(2 * np.pi * np.arange(33) / 32, 2 * np.pi * np.arange(17) / 16, indexing="ij")
+    s = s + 0.1 * np.sin(t) * np.sin(3 * s)
+    torus = np.stack([(2 + np.cos(t)) * np.cos(s), (2 + np.cos(t)) * np.sin(s), np.sin(t)], axis=-1)
+    grid, report = mc.elliptically_smoothed(mc.StructuredGrid(torus))
+    assert report.converged and "closed both ways" in report.warnings[0]
+    assert (grid.points[:, 0] == grid.points[:, -1]).all()
+    assert (
+        np.abs(
+            np.hypot(np.hypot(*grid.points[:, :, 0, :2].reshape(-1, 2).T) - 2, grid.points[..., 2].ravel()) - 1
+        ).max()
+        < 1e-3
+    )
+
+
+def test_control_carries_the_boundarys_spacing_inside():
+    s, t = np.meshgrid(np.linspace(0, 1, 25), np.linspace(0, 1, 21) ** 2, indexing="ij")
+    exact = rolled(1.5 * s, t)
+    rough = exact.copy()
+    rough[1:-1, 1:-1] = rolled(1.5 * s + 0.02 * np.sin(6 * t), t * (1 + 0.1 * np.sin(9 * s) * (1 - t)))[1:-1, 1:-1]
+    grid, report = mc.elliptically_smoothed(mc.StructuredGrid(rough), control="boundary spacing")
+    even, _ = mc.elliptically_smoothed(mc.StructuredGrid(rough))
+    heights = np.diff(grid.points[12, :, 0, 2])
+    assert report.converged
+    assert abs(heights[0] / np.diff(t[12])[0] - 1) < 0.3 < 5 < np.diff(even.points[12, :, 0, 2])[0] / heights[0]
+
+
+def test_user_functions_and_attractors_are_heard():
+    ring = mc.StructuredGrid(cylinder(24, 12, 0.0))
+    drawn, _ = mc.elliptically_smoothed(ring, attractors=[mc.Attractor(j=3, strength=0.3)])
+    pushed, _ = mc.elliptically_smoothed(ring, control_functions=(0.0, -0.2))
+    for grid in (drawn, pushed):
+        heights = grid.points[:-1, :, 0, 2]
+        assert np.ptp(heights, axis=0).max() < 1e-6 and np.abs(np.diff(heights[0]) - 1 / 6).max() > 0.02
+
+
+def test_the_grid_on_facets_is_mercators_to_second_order_of_the_facets():
+    errors = []
+    for k in (20, 40, 80):
+        u, v = np.meshgrid(np.linspace(-0.6, 2.0, k + 1), np.linspace(-1.3, 1.3, k + 1), indexing="ij")
+        exact = square(24, 24) * [1.2, 1.6] - [0, 0.7]
+        exact[..., 1] = 2 * np.arctan(np.exp(exact[..., 1])) - np.pi / 2
+        start = exact.copy()
+        start[1:-1, 1:-1] += 0.03
+        start, exact = (on_sphere(*np.moveaxis(x, -1, 0)) for x in (start, exact))
+        facets = mc.StructuredGrid(on_sphere(u, v))
+        grid, report = mc.elliptically_smoothed(mc.StructuredGrid(start), facets, residual=1e-6)
+        assert report.converged and "off the surface" in report.warnings[0]
+        assert FacetedSurface(facets).closest(grid.points.reshape(-1, 3)).distance.max() < 1e-14
+        errors.append(np.linalg.norm(grid.points[:, :, 0] - exact, axis=-1).max())
+    assert errors[-1] < 5e-4 and (np.log2(np.divide(errors[:-1], errors[1:])) > 1.7).all(), errors
+
+
+def test_flat_facets_give_the_planar_grid_and_unfold():
+    x = wavy(30, 22)
+    folded = np.stack([*np.moveaxis(x, -1, 0), 0 * x[..., 0]], axis=-1)
+    folded[1:-1, 1:-1, 0] += 0.05 * np.sin(40 * folded[1:-1, 1:-1, 1])
+    planar, _ = mc.elliptically_smoothed(mc.StructuredGrid(folded), residual=1e-10)
+    plate = mc.Mesh([[-2, -2, 0], [3, -2, 0], [3, 3, 0], [-2, 3, 0]], {"quad": [[0, 1, 2, 3]]})
+    grid, report = mc.elliptically_smoothed(mc.StructuredGrid(folded), plate, residual=1e-10)
+    assert report.converged and not report.warnings
+    np.testing.assert_allclose(grid.points, planar.points, atol=1e-9)
+
+
+def test_a_closed_grid_on_facets():
+    facets = mc.StructuredGrid(cylinder(90, 30, 0.0)).to_mesh()
+    grid, report = mc.elliptically_smoothed(mc.StructuredGrid(cylinder(36, 18)), facets)
+    assert report.converged and grid.periodic == (True, False, False) and (grid.points[0] == grid.points[-1]).all()
+    assert np.abs(grid.points[:, :, 0] - cylinder(36, 18, 0.0)).max() < 5e-3
+
+
+def test_a_grid_that_folds_on_facets_is_refused():
+    """A corner of 270 degrees on a cylinder: its cell cannot be sound."""
+    s, t = np.moveaxis(square(16, 16), -1, 0)
+    bent = np.stack([s - 0.8 * s * t, t - 0.8 * s * t], axis=-1)
+    points = rolled(*np.moveaxis(bent, -1, 0))
+    facets = mc.StructuredGrid(rolled(*np.moveaxis(square(40, 40) * 3 - 1, -1, 0)))
+    for surface in (None, facets):
+        with pytest.raises(GenerationFailed, match="folded or flat") as error:
+            mc.elliptically_smoothed(mc.StructuredGrid(points), surface)
+        assert len(error.value.cells) and error.value.partial.shape == (17, 17, 1)
+
+
+def test_cells_that_bridge_a_gap_are_told():
+    """A thin plate: the grid goes over its edge with cells that are larger than it is thick."""
+    plate = mc.StructuredGrid(np.array([[[0, y, 0], [1, y, 0], [1, y, 0.02], [0, y, 0.02]] for y in (0, 1.0)]))
+    s, t = np.meshgrid(np.linspace(0, 1, 8), np.linspace(0, 1, 8), indexing="ij")
+    over = np.stack([1 - 0.7 * np.abs(2 * s - 1), t, np.where(s < 0.5, 0.0, 0.02)], axis=-1)
+    try:
+        _, report = mc.elliptically_smoothed(mc.StructuredGrid(over), plate)
+    except GenerationFailed:
+        return
+    assert any("leave the surface" in warning for warning in report.warnings), report.warnings
+
+
+def test_what_cannot_be_had_on_a_surface_is_refused():
+    ring = mc.StructuredGrid(cylinder(24, 12))
+    with pytest.raises(InvalidInput, match="walls"):
+        mc.elliptically_smoothed(ring, walls="south")
+    with pytest.raises(InvalidGeometry, match="none of which has an area"):
+        mc.elliptically_smoothed(ring, mc.Mesh([[0, 0, 0], [1, 0, 0], [2, 0, 0]], {"triangle": [[0, 1, 2]]}))
+    with pytest.raises(InvalidInput, match="surface"):
+        mc.elliptically_smoothed(ring, mc.gallery.circle())
