@@ -243,6 +243,24 @@ def rough_ring(n: int = 24, m: int = 8) -> Mesh:
     return StructuredGrid(points, periodic=(True, False, False)).to_mesh()
 
 
+def rough_tube(n: int = 24, m: int = 10) -> Mesh:
+    """Quads on a waisted tube, ``n`` around and ``m`` along, whose points inside were shifted about on it.
+
+    Examples
+    --------
+    >>> rough_tube(12, 4)
+    Mesh(60 points, 48 quad)
+    """
+    s, t = np.meshgrid(np.arange(n + 1) / n, np.arange(m + 1) / m, indexing="ij")
+    inside = np.sin(np.pi * t)
+    angle = 2 * np.pi * s + 0.3 * inside * np.sin(6 * np.pi * s + 1)
+    height = 3 * (t + 0.06 * inside * np.cos(8 * np.pi * s))
+    radius = 0.7 + 0.3 * np.cos(2 * np.pi * height / 3)
+    points = np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=-1)
+    points = np.round(points * 2**20) / 2**20  # which single precision holds exactly, as hosts have it
+    return StructuredGrid(points, periodic=(True, False, False)).to_mesh()
+
+
 def turbine_passage(n: int = 24, m: int = 48, layers: int = 20, *, twist: float = 70.0) -> StructuredGrid:
     """Passage between two blades of a row: ``n`` cells across, ``m`` along the flow, from the hub outwards.
 
@@ -261,6 +279,47 @@ def turbine_passage(n: int = 24, m: int = 48, layers: int = 20, *, twist: float 
     height = 1.5 * w + 0.15 * np.sin(np.pi * v) * (1 - w)
     faces = np.stack([x * np.cos(turn) - y * np.sin(turn), x * np.sin(turn) + y * np.cos(turn), height], axis=-1)
     return StructuredGrid(blended(faces, (0, 1, 2)))
+
+
+def bumpy_torus(n: int = 96, m: int = 48) -> Mesh:
+    """A torus with bumps as triangles, ``n`` quads around its axis and ``m`` around its tube, each cut in two.
+
+    Examples
+    --------
+    >>> bumpy_torus(12, 8)
+    Mesh(96 points, 192 triangle)
+    """
+    s, t = np.meshgrid(np.arange(n + 1) / n, np.arange(m + 1) / m, indexing="ij")
+    points = np.round(on_bumpy_torus(2 * np.pi * s, 2 * np.pi * t) * 2**16) / 2**16
+    wrapped = StructuredGrid(points, periodic=(True, True, False)).to_mesh()
+    quads = wrapped.get("quad")
+    return Mesh(wrapped.points, {"triangle": np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])})
+
+
+def on_bumpy_torus(u: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """(..., 3) points of `bumpy_torus`, at angles around the axis and around the tube.
+
+    Examples
+    --------
+    >>> on_bumpy_torus(np.array([0.0]), np.array([0.0])).round(3)
+    array([[3., 0., 0.]])
+    """
+    tube = 1 + 0.12 * np.sin(5 * u) * np.cos(2 * v) + 0.05 * np.sin(9 * u + 1.0) * np.sin(3 * v)
+    return np.stack([(2 + tube * np.cos(v)) * np.cos(u), (2 + tube * np.cos(v)) * np.sin(u), tube * np.sin(v)], axis=-1)
+
+
+def sides_on_torus(n: int = 32, m: int = 24) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """South, east, north and west of a patch of `bumpy_torus` with wavy sides: (n + 1, 3) and (m + 1, 3) points.
+
+    Examples
+    --------
+    >>> [len(side) for side in sides_on_torus(4, 2)]
+    [5, 3, 5, 3]
+    """
+    s, t = np.linspace(0, 1, n + 1), np.linspace(0, 1, m + 1)
+    across, along = 0.15 * np.sin(2 * np.pi * s), 0.12 * np.sin(2 * np.pi * t)
+    ends = [(1.6 * s, across - 0.4), (1.6 + along, 1.8 * t - 0.4), (1.6 * s, 1.4 - across), (along, 1.8 * t - 0.4)]
+    return tuple(on_bumpy_torus(u + 0 * v, v + 0 * u) for u, v in ends)  # type: ignore[return-value]
 
 
 def sunflower(n: int = 60) -> Mesh:

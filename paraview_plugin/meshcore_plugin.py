@@ -1006,8 +1006,8 @@ class meshcoreCGrid(Operation):
 @smhint.xml('<ShowInMenu category="meshcore"/>')
 @smproperty.xml(
     """
-    <Documentation short_help="Elliptic Grid">Fill a planar four-sided patch with a smooth grid by the elliptic
-    equations.</Documentation>
+    <Documentation short_help="Elliptic Grid">Fill a four-sided patch, planar or on a curved surface, with a smooth
+    grid by the elliptic equations.</Documentation>
     <InputProperty name="Input" label="South" port_index="0" command="SetInputConnection">
       <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
       <DataTypeDomain name="input_type" composite_data_supported="0">
@@ -1042,6 +1042,15 @@ class meshcoreCGrid(Operation):
       </DataTypeDomain>
       <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
       <Documentation>West side: line cells in one chain, or points in order.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
+    <InputProperty name="Surface" label="Surface" port_index="4" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Triangles or quads on which the grid shall lie, such as a scan.</Documentation>
       <Hints><Optional/></Hints>
     </InputProperty>
     <IntVectorProperty name="CellsI" label="Cells I" command="SetCellsI" number_of_elements="1" default_values="0" panel_visibility="default">
@@ -1154,7 +1163,7 @@ class meshcoreCGrid(Operation):
 class meshcoreEllipticGrid(Operation):
     operation = "elliptic"
     label = "meshcore Elliptic Grid"
-    ports = (("south", "curve", False), ("east", "curve", True), ("north", "curve", True), ("west", "curve", True))
+    ports = (("south", "curve", False), ("east", "curve", True), ("north", "curve", True), ("west", "curve", True), ("surface", "either", True))
     output = "vtkStructuredGrid"
 
     def SetCellsI(self, value):
@@ -1756,6 +1765,15 @@ class meshcoreParabolicGrid(Operation):
       <Documentation>Chains of line cells inside, from side to opposite side, to become grid lines.</Documentation>
       <Hints><Optional/></Hints>
     </InputProperty>
+    <InputProperty name="Surface" label="Surface" port_index="5" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Triangles or quads on which the grid shall lie, such as a scan.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
     <IntVectorProperty name="CellsI" label="Cells I" command="SetCellsI" number_of_elements="1" default_values="0" panel_visibility="default">
       <IntRangeDomain name="range" min="0" max="500"/>
       <Documentation>Cells along south and north; by default as their points are given; 0 leaves it
@@ -1837,7 +1855,7 @@ class meshcoreParabolicGrid(Operation):
 class meshcoreTransfiniteInterpolation(Operation):
     operation = "transfinite"
     label = "meshcore Transfinite Interpolation"
-    ports = (("south", "curve", False), ("east", "curve", True), ("north", "curve", True), ("west", "curve", True), ("lines", "lines", True))
+    ports = (("south", "curve", False), ("east", "curve", True), ("north", "curve", True), ("west", "curve", True), ("lines", "lines", True), ("surface", "either", True))
     output = "vtkStructuredGrid"
 
     def SetCellsI(self, value):

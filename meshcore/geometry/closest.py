@@ -10,6 +10,8 @@ from ..errors import InvalidGeometry, InvalidInput
 from ..mesh import Mesh, StructuredGrid, topology
 from .alternating_digital_tree import Nearest
 
+_ALIKE = 1e-9  # relative difference of diagonals that rounding may make
+
 
 class Foot(NamedTuple):
     """Where points come to lie on a surface.
@@ -39,8 +41,8 @@ class FacetedSurface:
     Parameters
     ----------
     mesh : Mesh or StructuredGrid
-        Triangles and quads, open or closed. Quads count as two triangles, cut from their first corner. Facets without
-        area are passed over.
+        Triangles and quads, open or closed. Quads count as two triangles, cut along the shorter diagonal. Facets
+        without area are passed over.
     parameter : str
         What errors call the mesh.
 
@@ -69,8 +71,7 @@ class FacetedSurface:
             mesh = mesh.to_mesh()
         if not isinstance(mesh, Mesh):
             raise InvalidInput(f"needs a Mesh or a StructuredGrid, got {type(mesh).__name__}", parameter=parameter)
-        quads = mesh.get("quad")
-        corners = np.concatenate([mesh.get("triangle"), quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+        corners = np.concatenate([mesh.get("triangle"), _halves(mesh.points, mesh.get("quad"))])
         if not len(corners):
             raise InvalidInput(f"needs triangles or quads, got {mesh!r}", parameter=parameter)
         area = np.linalg.norm(_area_vectors(mesh.points[corners]), axis=1)
@@ -88,6 +89,16 @@ class FacetedSurface:
         at = np.einsum("mk,mkq->mq", weights, self.points[self.corners[facet]])
         normals = np.einsum("mk,mkq->mq", weights, self.normals[facet])
         return Foot(at, _unit(normals), distance)
+
+
+def _halves(points: np.ndarray, quads: np.ndarray) -> np.ndarray:
+    """Quads as triangles, whichever corner is first: cut along the shorter diagonal; of equal ones, at the lowest x."""
+    one, other = (np.linalg.norm(points[quads[:, k]] - points[quads[:, k + 2]], axis=1) for k in (0, 1))
+    lowest = _merged(points, quads).argmin(axis=1) % 2 if len(quads) else np.empty(0, int)
+    alike = np.abs(one - other) <= _ALIKE * (one + other)
+    turn = np.where(alike, lowest == 1, other < one)
+    turned = np.where(turn[:, None], np.roll(quads, -1, axis=1), quads)
+    return np.concatenate([turned[:, [0, 1, 2]], turned[:, [0, 2, 3]]])
 
 
 def _merged(points: np.ndarray, corners: np.ndarray) -> np.ndarray:

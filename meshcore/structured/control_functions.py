@@ -113,7 +113,7 @@ def from_poles(points: np.ndarray) -> np.ndarray | None:
     >>> fan = np.stack(np.meshgrid([0.0, 1], [0.0, 1, 2], indexing="ij"), axis=-1)
     >>> fan[:, 0] = 0.5
     >>> from_poles(fan)[1, 0].round(4)
-    array([-0.    , -1.0986, -0.5108])
+    array([ 0.    , -1.0986, -0.5108])
     """
     found = poles(points)
     if not found:

@@ -1,4 +1,4 @@
-"""Planar elliptic grids between four sides (survey 2.5.1)."""
+"""Elliptic grids between four sides, in a plane, in space or on a surface (survey 2.5.1, 2.6)."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from typing import Annotated
 
 from ..errors import GenerationFailed, InvalidInput
+from ..geometry.closest import FacetedSurface
 from ..geometry.curves import Curve
 from ..mesh import StructuredGrid
-from ..operation import Length, Param, Relative, operation
+from ..operation import Length, Param, Relative, absolute, operation
 from ..progress import Progress, part_of, silent
 from ..report import Result
 from ..threads import checked_threads
@@ -25,7 +26,9 @@ from .elliptic_parameters import (
     asked_walls,
     sides_of,
 )
-from .elliptic_problem import Asked, Equation, solved
+from .elliptic_problem import Asked, Equation
+from .elliptic_surface import solved
+from .on_facets import put_on
 from .one_boundary import FOUND
 from .side_parameters import (
     CellsIParam,
@@ -39,6 +42,7 @@ from .side_parameters import (
     SpacingNorthParam,
     SpacingSouthParam,
     SpacingWestParam,
+    SurfacePort,
     ToleranceParam,
     WestPort,
 )
@@ -53,6 +57,7 @@ def elliptic(
     east: EastPort = None,
     north: NorthPort = None,
     west: WestPort = None,
+    surface: SurfacePort = None,
     *,
     cells_i: CellsIParam = None,
     cells_j: CellsJParam = None,
@@ -81,7 +86,7 @@ def elliptic(
     threads: int | None = None,
     progress: Progress = silent,
 ) -> Result:
-    """Fill a planar four-sided patch with a smooth grid by the elliptic equations.
+    """Fill a four-sided patch, planar or on a curved surface, with a smooth grid by the elliptic equations.
 
     The transfinite grid between the sides, which are kept, is smoothed by the transformed Laplace or Poisson
     equations. Corners of the boundary do not reach inside, and where transfinite interpolation spills over the boundary
@@ -95,8 +100,14 @@ def elliptic(
     Parameters
     ----------
     south, east, north, west : Mesh or (n, 3) float
-        The sides, in one plane of any attitude, as for `transfinite`. South alone is a closed loop, or four
-        chains.
+        The sides, as for `transfinite`. South alone is a closed loop, or four chains. Between sides that do not lie in
+        one plane the grid is harmonic on the bicubic surface through the points of transfinite interpolation, where
+        nothing unfolds it.
+    surface : Mesh or StructuredGrid, optional
+        Triangles or quads on which the points shall lie, such as a scan. Sides that lie off it are put on it, as
+        `warnings` tell. The points lie on the facets themselves; the equations are those of the smooth surface of
+        second order that the facets stand for: what is tangential to it of ``g22 r_ii - 2 g12 r_ij + g11 r_jj``
+        vanishes. A sharp ridge is so for the points, while the equations turn smoothly over the facets beside it.
     cells_i, cells_j : int, optional
         Cells along i and j. Left out, opposite sides must have as many points as each other.
     spacing_south, spacing_east, spacing_north, spacing_west : Length, optional
@@ -107,8 +118,8 @@ def elliptic(
     control : {"boundary spacing", "none"}
         Control functions from the boundary's spacing (Thomas and Middlecoff, with the boundary's curvature), or none.
     walls : {"none", "south", "east", "north", "west", "south and north", "west and east", "all"}
-        Sides at which control functions are found, while the grid is solved, so that lines leave the wall at an angle
-        and the first cells have a height (Steger and Sorenson).
+        Sides of a planar grid at which control functions are found, while it is solved, so that lines leave the wall
+        at an angle and the first cells have a height (Steger and Sorenson).
     first_height : Length, optional
         Length of the first edge at walls. Where cells are given, the two sides that end at a wall get it as their
         spacing there, unless another is asked for; sides that keep their points should have it.
@@ -147,9 +158,9 @@ def elliptic(
     Raises
     ------
     InvalidInput
-        If the sides do not fit each other, or a control is impossible.
+        If the sides do not fit each other, or a control is impossible, such as walls of a curved patch.
     InvalidGeometry
-        If sides do not meet, do not lie in one plane, or have coincident points.
+        If sides do not meet, or have coincident points; if a surface has no facets, or one side only.
     GenerationFailed
         If cells stay folded; `cells` are the folded ones, `partial` the grid.
 
@@ -161,8 +172,9 @@ def elliptic(
 
     References
     ----------
-    Survey, section 2.5.1. J. F. Thompson, Z. U. A. Warsi, C. W. Mastin, "Numerical Grid Generation" (1985), chapter VI.
-    P. D. Thomas, J. F. Middlecoff, AIAA J. 18 (1980). J. L. Steger, R. L. Sorenson, J. Comput. Phys. 33 (1979).
+    Survey, sections 2.5.1 and 2.6. J. F. Thompson, Z. U. A. Warsi, C. W. Mastin, "Numerical Grid Generation" (1985),
+    chapter VI. Z. U. A. Warsi, J. Comput. Phys. 64 (1986), for surfaces. P. D. Thomas, J. F. Middlecoff, AIAA J. 18
+    (1980). J. L. Steger, R. L. Sorenson, J. Comput. Phys. 33 (1979).
 
     Examples
     --------
@@ -189,6 +201,10 @@ def elliptic(
         if error.parameter in set(at_walls) - set(asked_spacings):  # the user gave no such thing
             raise InvalidInput(str(error).partition(": ")[2], parameter="first_height") from None
         raise
+    faceted = None if surface is None else FacetedSurface(surface)
+    if faceted is not None:
+        start, told = put_on(faceted, start, absolute(tolerance, start.diagonal), "the sides")
+        warnings += told
     given_walls = asked_walls(
         walls,
         first_height,
@@ -209,7 +225,7 @@ def elliptic(
         most_cycles=max_cycles,
         threads=checked_threads(threads),
     )
-    result = solved(start, asked, part_of(progress, 0.1, 1.0))
+    result = solved(start, asked, faceted, part_of(progress, 0.1, 1.0))
     result.report.warnings[:0] = warnings
     return result
 

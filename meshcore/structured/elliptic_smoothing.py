@@ -27,7 +27,8 @@ from .elliptic_parameters import (
     asked_walls,
 )
 from .elliptic_problem import Asked, cuts_of, is_left_handed
-from .elliptic_surface import put_on, solved
+from .elliptic_surface import solved
+from .on_facets import put_on
 from .quad_nets import grid_of
 from .side_parameters import SurfacePort
 from .wall_control import Wall

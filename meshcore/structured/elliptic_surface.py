@@ -14,19 +14,13 @@ from . import elliptic_problem
 from .control_functions import from_poles
 from .elliptic_problem import SHARES, Asked, Found, as_found, reported
 from .folds import folded_cells, refuse_folds
-from .surface_levels import folded_against
+from .on_facets import CURE, checked_on, folded_on
 from .winslow_surface import draped, smoothed
 
 _CURE = (
     "a grid cannot be unfolded on the surface through its own points; move its corners to where the boundary turns by "
     "less than 180 degrees, ask for less control, or give the surface on which it lies"
 )
-_CURE_ON_FACETS = (
-    "move the grid's corners to where the boundary turns by less than 180 degrees, ask for less control, give more "
-    "cells, or split the patch where the surface has a sharp ridge"
-)
-_OFF = 0.4
-"""Distance of a cell's middle from a surface of facets, in cell sizes, from which on it is told: half across a wall."""
 
 
 def solved(
@@ -61,7 +55,7 @@ def solved(
     if surface is None:
         refuse_folds(grid, _CURE)
     else:
-        found.warnings += checked_on(surface, grid, _CURE_ON_FACETS)
+        found.warnings += checked_on(surface, grid, CURE)
     return reported(grid, found)
 
 
@@ -95,7 +89,7 @@ def _curved(
     for share in SHARES if controls is not None else (1.0,):
         parts = [part for part in (None if controls is None else share * controls, poles) if part is not None]
         found = _once(points, sum(parts) if parts else None, cyclic, asked, surface, progress)
-        folded = folded_cells(found.points) if surface is None else _folded_on(surface, found.points)
+        folded = folded_cells(found.points) if surface is None else folded_on(surface, found.points)
         if not (found.stalled or folded.any()):
             break
     if share < 1:
@@ -116,45 +110,3 @@ def _once(points, growth, cyclic: bool, asked: Asked, surface: FacetedSurface | 
     new, outcome = smoothed(points, **how) if surface is None else draped(surface, points, **how)
     history = [residual / (outcome.residuals[0] or 1.0) for residual in outcome.residuals]
     return as_found(new, history, outcome.converged, outcome.error, asked)
-
-
-def _folded_on(surface: FacetedSurface, points: np.ndarray) -> np.ndarray:
-    """(ni - 1, nj - 1) bool: folded cells of a grid on a surface, seen from the side that shows most of it."""
-    normals = surface.closest(points.reshape(-1, 3)).normals
-    return min((folded_against(points, sign * normals) for sign in (1, -1)), key=np.count_nonzero)
-
-
-def checked_on(surface: FacetedSurface, grid: StructuredGrid, cure: str) -> list[str]:
-    """What to tell of a grid on a surface of facets: cells that bridge a gap or a ridge.
-
-    Raises
-    ------
-    GenerationFailed
-        If cells are folded, seen from the surface; `cells` are these, `partial` the grid.
-    """
-    points = grid.points[:, :, 0]
-    refuse_folds(grid, cure, _folded_on(surface, points))
-    middle = 0.25 * (points[:-1, :-1] + points[1:, :-1] + points[1:, 1:] + points[:-1, 1:])
-    diagonals = points[1:, 1:] - points[:-1, :-1], points[1:, :-1] - points[:-1, 1:]
-    size = np.maximum(*(np.linalg.norm(diagonal, axis=-1) for diagonal in diagonals))
-    off = surface.closest(middle.reshape(-1, 3)).distance.reshape(size.shape) > _OFF * size
-    if not off.any():
-        return []
-    i, j = np.argwhere(off)[0]
-    x, y, z = middle[i, j]
-    return [
-        f"{off.sum()} cells leave the surface by more than {_OFF:g} of their size, the first at i = {i}, j = {j} near "
-        f"({x:.6g}, {y:.6g}, {z:.6g}): they cut off a sharp ridge or cross from one sheet to another; give more cells, "
-        "or split the patch there"
-    ]
-
-
-def put_on(surface: FacetedSurface, grid: StructuredGrid, gap: float, what: str) -> tuple[StructuredGrid, list[str]]:
-    """A grid with all points on a surface of facets, and a warning if its sides were farther away than a gap."""
-    points = grid.points.reshape(-1, 3)
-    foot = surface.closest(points)
-    new = foot.points.reshape(grid.points.shape)
-    away = foot.distance.reshape(grid.shape[:2])
-    far = max(away[0].max(), away[-1].max(), away[:, 0].max(), away[:, -1].max())
-    told = [f"{what} lay up to {far:.4g} off the surface and were put on it"] if far > gap else []
-    return grid.with_points(new), told

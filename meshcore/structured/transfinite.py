@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal, Union
 import numpy as np
 
 from ..errors import InvalidInput
+from ..geometry.closest import FacetedSurface
 from ..geometry.curves import Curve
 from ..mesh import Mesh, StructuredGrid
 from ..operation import Param, Port, Relative, operation
@@ -20,6 +21,7 @@ from .blending import Blending, Patch, interpolated
 from .folds import folded_cells, refuse_folds
 from .interior_lines import fitted_lines, fitted_sides, read_lines
 from .limits import check_size
+from .on_facets import checked_on, folded_on, put_on
 from .one_boundary import FOUND
 from .overspill import Cure, cured
 from .side_parameters import (
@@ -34,10 +36,12 @@ from .side_parameters import (
     SpacingNorthParam,
     SpacingSouthParam,
     SpacingWestParam,
+    SurfacePort,
     ToleranceParam,
     WestPort,
 )
 from .sides import NAMES, Asked, Sides
+from .winslow_surface import draped
 
 __all__ = ["interpolated", "transfinite"]
 
@@ -70,6 +74,7 @@ def transfinite(
             "Chains of line cells inside, from side to opposite side, to become grid lines", cells=("line",), named=True
         ),
     ] = None,
+    surface: SurfacePort = None,
     *,
     cells_i: CellsIParam = None,
     cells_j: CellsJParam = None,
@@ -115,6 +120,9 @@ def transfinite(
         Coordinate lines inside, in any order and number, each from a side to the opposite one; those of different
         directions must cross. A mesh has one line a chain. They are resampled unless they have as many points as
         the sides beside them; where `cells_i` or `cells_j` is given, points of the sides are moved to their ends.
+    surface : Mesh or StructuredGrid, optional
+        Triangles or quads on which the points shall lie, such as a scan: each point goes to the closest one. Sides that
+        lie farther off than `tolerance` are told.
     cells_i, cells_j : int, optional
         Cells along i and j. Left out, opposite sides must have as many points as each other; of a closed loop, the
         side with fewer points is resampled.
@@ -130,7 +138,8 @@ def transfinite(
         (cardinal splines by arc length) and leaves the sides at right angles, or with given `slopes`.
     cure : {"none", "sides", "lines", "smoothing", "automatic"}
         What may be done where the grid folds: move the points along the sides, add lines inside, smooth it by the
-        Laplace equations (in a plane, and without lines or slopes given), or all in turn. The report tells what.
+        Laplace equations (in a plane or on a surface, and without lines or slopes given), or all in turn. The report
+        tells what.
     corners : tuple of four int
         Numbers of the loop's corner points, in any order; all -1 picks those that the mesh marks by "vertex" cells or
         by whole-number data of its lines, such as tags, that change there; without four marks, the sharpest turns.
@@ -205,10 +214,31 @@ def transfinite(
         patch, points, done = cured(patch, points, cure)
     faces = {face: sides.names[place] for face, place in zip(("jmin", "imax", "jmax", "imin"), NAMES, strict=True)}
     grid = StructuredGrid(points, names=faces)
-    refuse_folds(grid, f"{'; '.join(done)}, which did not suffice; {_CURE}" if done else _CURE)
+    if surface is None:
+        refuse_folds(grid, _insufficient(done))
+    else:
+        smooths = cure in ("smoothing", "automatic") and not inside and slopes is None
+        grid = _on_surface(grid, FacetedSurface(surface), sides.gap, smooths, done)
     validate(grid)
     counts = {"points": grid.n_points, "quads": grid.n_cells}
     return Result(grid, Report(counts=counts, quality=summary(grid), warnings=sides.warnings + done))
+
+
+def _insufficient(done: list[str]) -> str:
+    """What else can be done about folds."""
+    return f"{'; '.join(done)}, which did not suffice; {_CURE}" if done else _CURE
+
+
+def _on_surface(
+    grid: StructuredGrid, surface: FacetedSurface, gap: float, smooths: bool, done: list[str]
+) -> StructuredGrid:
+    """The grid put on a surface and, if need and leave be, smoothed there; what was done is told."""
+    grid, told = put_on(surface, grid, gap, "the sides")
+    if smooths and folded_on(surface, grid.points[:, :, 0]).any():
+        grid = grid.with_points(draped(surface, grid.points[:, :, 0])[0])
+        done.append("overspill: the grid was smoothed on the surface by the Laplace equations")
+    done += told + checked_on(surface, grid, _insufficient(done))
+    return grid
 
 
 def _named(values: Mapping[str, Any] | None, parameter: str) -> Mapping[str, Any]:

@@ -18,6 +18,7 @@ def sphere(n=24, m=12):
 
 
 def triangles(mesh):
+    """The quads of the sphere are wider below and above: both diagonals are equally long."""
     quads = mesh.get("quad")
     return mc.Mesh(mesh.points, {"triangle": np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])})
 
@@ -60,6 +61,18 @@ def test_facets_of_any_orientation_agree():
     np.testing.assert_allclose(
         FacetedSurface(soup).closest(points).normals, surface.closest(points).normals, atol=1e-12
     )
+
+
+def test_quads_are_cut_alike_whichever_corner_is_their_first():
+    mesh = sphere().to_mesh()
+    quads = mesh.get("quad")
+    points = np.random.default_rng(3).uniform(-1.5, 1.5, (50, 3))
+    foot = FacetedSurface(mesh).closest(points)
+    for turn in (1, 2, 3):
+        turned = FacetedSurface(mc.Mesh(mesh.points, {"quad": np.roll(quads, turn, axis=1)})).closest(points)
+        np.testing.assert_allclose(turned.points, foot.points, atol=1e-14)
+    bent = mc.Mesh([[0, 0, 0], [2, 0, 1], [2.2, 2, 0], [0, 2, 1]], {"quad": [[0, 1, 2, 3]]})
+    assert FacetedSurface(bent).closest(np.array([[1.0, 1, 1]])).points[0, 2] > 0.9  # along the diagonal from 1 to 3
 
 
 def test_normals_turn_without_jumps_over_a_ridge():

@@ -4,10 +4,15 @@ import numpy as np
 import pytest
 
 import meshcore as mc
+from meshcore import gallery, io
+from meshcore.cli import main
 from meshcore.errors import GenerationFailed, InvalidGeometry, InvalidInput
 from meshcore.geometry.closest import FacetedSurface
+from meshcore.geometry.curves import lines_through
+from meshcore.geometry.surfaces import ParametricSurface
 from meshcore.structured.control_functions import from_boundary, from_poles
 from meshcore.structured.folds import folded_cells
+from meshcore.structured.winslow_surface import solved
 from tests.core.structured.test_winslow_surface import on_sphere, rolled, square, wavy
 
 
@@ -198,3 +203,115 @@ def test_what_cannot_be_had_on_a_surface_is_refused():
         mc.elliptically_smoothed(ring, mc.Mesh([[0, 0, 0], [1, 0, 0], [2, 0, 0]], {"triangle": [[0, 1, 2]]}))
     with pytest.raises(InvalidInput, match="surface"):
         mc.elliptically_smoothed(ring, mc.gallery.circle())
+
+
+def torus_start(n, m):
+    """Parameters of the patch of `gallery.sides_on_torus`, filled by transfinite interpolation in them."""
+    s, t = np.moveaxis(square(n, m), -1, 0)
+    across, along = 0.15 * np.sin(2 * np.pi * s), 0.12 * np.sin(2 * np.pi * t)
+    u = 1.6 * s + along
+    v = 1.8 * t - 0.4 + across * (1 - 2 * t)
+    return np.stack([u, v], axis=-1)
+
+
+def test_a_patch_on_a_scan_is_that_of_the_smooth_surface():
+    """To second order of the facets, down to the difference between sides on facets and on the surface itself."""
+    x = torus_start(24, 20)
+    smooth = ParametricSurface(gallery.on_bumpy_torus, (-1, 3), (-2, 3))
+    parameters, outcome = solved(smooth, x, tolerance=1e-9)
+    exact = smooth.points(*np.moveaxis(parameters, -1, 0))
+    assert outcome.converged
+    errors = []
+    for n in (60, 120, 240):
+        torus = gallery.bumpy_torus(n, n // 2)
+        grid, report = mc.elliptic(*gallery.sides_on_torus(24, 20), torus, control="none", residual=1e-5)
+        assert report.converged and "the sides lay up to" in report.warnings[0]
+        assert FacetedSurface(torus).closest(grid.points.reshape(-1, 3)).distance.max() < 1e-13
+        errors.append(np.linalg.norm(grid.points[:, :, 0] - exact, axis=-1).max())
+    assert errors[-1] < 5e-3 and (np.log2(np.divide(errors[:-1], errors[1:])) > 1.6).all(), errors
+
+
+def test_transfinite_points_lie_on_the_scan_and_folds_there_are_refused():
+    torus, sides = gallery.bumpy_torus(), gallery.sides_on_torus()
+    grid, report = mc.transfinite(*sides, surface=torus)
+    assert FacetedSurface(torus).closest(grid.points.reshape(-1, 3)).distance.max() < 1e-13
+    assert len(report.warnings) == 1 and grid.names == {
+        "jmin": "south",
+        "imax": "east",
+        "jmax": "north",
+        "imin": "west",
+    }
+    quiet, report = mc.transfinite(*sides, surface=torus, tolerance=0.1)
+    assert not report.warnings and np.array_equal(quiet.points, grid.points)
+    elliptic, _ = mc.elliptic(*sides, surface=torus, control="none")
+    assert np.array_equal(elliptic.points[0], grid.points[0]) and not np.array_equal(elliptic.points, grid.points)
+
+
+def test_overspill_on_a_scan_is_cured_by_smoothing_there():
+    s = np.linspace(0, 1, 25)
+    dent = 1.3 * np.sin(np.pi * s) ** 2  # the south side rises over the chord of the north
+    u, low, high = 1.6 * (s - 0.5), dent - 0.8, 0.9 + 0 * s
+    across = np.linspace(-0.8, 0.9, 25)
+    ends = (u, low), (0.8, across), (u, high), (-0.8, across)
+    sides = [gallery.on_bumpy_torus(*np.broadcast_arrays(a, b)) for a, b in ends]
+    with pytest.raises(GenerationFailed, match="folded or flat"):
+        mc.transfinite(*sides, surface=gallery.bumpy_torus(), blending="linear")
+    grid, report = mc.transfinite(*sides, surface=gallery.bumpy_torus(), blending="linear", cure="smoothing")
+    assert any("smoothed on the surface" in warning for warning in report.warnings)
+    assert FacetedSurface(gallery.bumpy_torus()).closest(grid.points.reshape(-1, 3)).distance.max() < 1e-13
+
+
+def test_sides_in_space_are_filled_by_their_own_surface():
+    errors = []
+    for n in (12, 24, 48):
+        x = wavy(n, n)
+        sides = [rolled(*side.T) for side in (x[:, 0], x[-1], x[:, -1], x[0])]
+        grid, report = mc.elliptic(*sides, control="none")
+        assert report.converged and not folded_cells(grid.points[:, :, 0]).any()
+        errors.append(abs(np.hypot(grid.points[..., 0], grid.points[..., 1]) / 0.7 - 1).max())
+    assert max(errors) < 0.05  # the surface is the transfinite one, which is near the cylinder
+    with pytest.raises(InvalidInput, match="biharmonic"):
+        mc.elliptic(*sides, equation="biharmonic")
+    with pytest.raises(InvalidInput, match="repeat"):
+        mc.elliptic(*sides, periodic=True)
+
+
+def test_a_ridge_is_crossed_without_folds_or_told():
+    """A roof of 60 degrees: the patch crosses its ridge aslant."""
+    for angle in (30, 60, 80):
+        rise = np.tan(np.radians(angle))
+        corners = [[x, y, -abs(x) * rise] for y in (-2, 2) for x in (-2, 0, 2)]
+        roof = mc.Mesh(corners, {"quad": [[0, 1, 4, 3], [1, 2, 5, 4]]})
+        ends = np.array([[-1, -0.6], [1, -1.0], [0.8, 1], [-0.7, 0.9]])
+
+        sides = []
+        for a, b in ((0, 1), (1, 2), (3, 2), (0, 3)):
+            x, y = (ends[a] + np.linspace(0, 1, 21)[:, None] * (ends[b] - ends[a])).T
+            sides.append(np.column_stack([x, y, -abs(x) * rise]))
+        grid, report = mc.elliptic(*sides, roof, control="none")
+        assert report.converged
+        assert FacetedSurface(roof).closest(grid.points.reshape(-1, 3)).distance.max() < 1e-13
+        x, y = grid.points[:, :, 0, 0], grid.points[:, :, 0, 1]
+        flat = np.stack([x, y, 0 * x], axis=-1)  # seen from above, where it must not fold either
+        assert not folded_cells(flat).any()
+
+
+def test_closed_loops_and_walls_on_a_surface():
+    south, east, north, west = gallery.sides_on_torus(16, 16)
+    loop = np.concatenate([south[:-1], east[:-1], north[:0:-1], west[::-1]])
+    corners = (0, 16, 32, 48)
+    grid, report = mc.elliptic(loop, surface=gallery.bumpy_torus(), corners=corners)
+    assert report.converged and grid.shape == (17, 17, 1)
+
+
+def test_the_command_line_takes_a_surface(tmp_path):
+    sides, torus = gallery.sides_on_torus(12, 10), gallery.bumpy_torus(48, 24)
+    files = []
+    for name, side in zip(("south", "east", "north", "west"), sides, strict=True):
+        files.append(str(tmp_path / f"{name}.vtk"))
+        io.write(files[-1], lines_through(side))
+    io.write(tmp_path / "torus.ply", torus)
+    out = tmp_path / "grid.vts"
+    assert main(["elliptic", *files, "--surface", str(tmp_path / "torus.ply"), "-o", str(out)]) == 0
+    expected, _ = mc.elliptic(*sides, surface=io.read(tmp_path / "torus.ply"))
+    np.testing.assert_allclose(io.read(out).points, expected.points, atol=1e-12)
