@@ -10,6 +10,8 @@ from ..errors import InvalidGeometry, InvalidInput
 from ..mesh import Mesh, StructuredGrid, topology
 from .alternating_digital_tree import Nearest
 
+_SHARP = np.cos(np.radians(30))  # cosine of the angle between a facet and the normal at its corner
+_ROUNDS = 8  # the error of each is the last one's times distance over radius of curvature
 _ALIKE = 1e-9  # relative difference of diagonals that rounding may make
 
 
@@ -24,11 +26,15 @@ class Foot(NamedTuple):
         Unit normals there, interpolated from those at the facets' corners.
     distance : (m,) float
         How far the closest points are.
+    lifts : (m, 3) float
+        From there to the smooth surface that the facets stand for: one of second order through their corners, at right
+        angles there with the normals. Nothing beside corners at which facets meet sharply.
     """
 
     points: np.ndarray
     normals: np.ndarray
     distance: np.ndarray
+    lifts: np.ndarray
 
 
 class FacetedSurface:
@@ -56,6 +62,8 @@ class FacetedSurface:
     References
     ----------
     G. Thuermer, C. A. Wuethrich, "Computing vertex normals from polygonal facets", J. Graphics Tools 3 (1998).
+    T. Boubekeur, M. Alexa, "Phong tessellation", ACM Trans. Graphics 27 (2008), for the lifts, with the weight 1/2 that
+    meets the curvature.
     Survey, section 3.2.3, for the tree.
 
     Examples
@@ -81,14 +89,31 @@ class FacetedSurface:
         self.corners = _agreeing(_merged(mesh.points, corners), corners, parameter)
         self.points = mesh.points
         self.normals = _corner_normals(_merged(mesh.points, self.corners), mesh.points[self.corners])
+        self._smooth = _smooth_corners(_merged(mesh.points, self.corners), mesh.points[self.corners], self.normals)
         self._nearest = Nearest(mesh.points[self.corners])
 
     def closest(self, points: np.ndarray) -> Foot:
         """The closest point of the surface to each of (m, 3) finite points."""
         facet, weights, distance = self._nearest.query(points)
-        at = np.einsum("mk,mkq->mq", weights, self.points[self.corners[facet]])
-        normals = np.einsum("mk,mkq->mq", weights, self.normals[facet])
-        return Foot(at, _unit(normals), distance)
+        corners, normals = self.points[self.corners[facet]], self.normals[facet]
+        at = np.einsum("mk,mkq->mq", weights, corners)
+        # Half the way to the mean of the points' projections on the tangent planes of the three corners.
+        below = weights * self._smooth[facet] * np.einsum("mkq,mkq->mk", corners - at[:, None], normals)
+        lifts = 0.5 * np.einsum("mk,mkq->mq", below, normals)
+        return Foot(at, _unit(np.einsum("mk,mkq->mq", weights, normals)), distance, lifts)
+
+    def dropped(self, points: np.ndarray) -> Foot:
+        """Points of the surface from which (m, 3) points are seen along the smooth normal, found from the closest ones.
+
+        The closest point of an edge serves a whole wedge of space, so that a sheet of points would collapse there; seen
+        along normals that turn smoothly, the sheet only bends. The distance is still that of the closest point.
+        """
+        foot = self.closest(points)
+        distance = foot.distance
+        for _ in range(_ROUNDS):
+            height = ((points - foot.points) * foot.normals).sum(axis=1)
+            foot = self.closest(points - height[:, None] * foot.normals)
+        return foot._replace(distance=distance)
 
 
 def _halves(points: np.ndarray, quads: np.ndarray) -> np.ndarray:
@@ -157,3 +182,10 @@ def _corner_normals(number: np.ndarray, x: np.ndarray) -> np.ndarray:
     lost = np.linalg.norm(total, axis=1) < 1e-9
     normals = _unit(total)[number]
     return np.where(lost[number][..., None], facet[:, None, :], normals)
+
+
+def _smooth_corners(number: np.ndarray, x: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """(m, 3) float: 1 for corners around which all facets look nearly the way of the normal there, else 0."""
+    sharp = (normals * _unit(_area_vectors(x))[:, None]).sum(axis=-1) < _SHARP
+    there = np.bincount(number[sharp], minlength=int(number.max()) + 1)
+    return (there[number] == 0).astype(float)

@@ -11,7 +11,7 @@ from ..mesh import StructuredGrid
 from ..progress import Progress, silent
 from ..report import Result
 from . import elliptic_problem
-from .control_functions import from_poles
+from .control_functions import from_poles, poles
 from .elliptic_problem import SHARES, Asked, Found, as_found, reported
 from .folds import folded_cells, refuse_folds
 from .on_facets import CURE, checked_on, folded_on
@@ -49,6 +49,9 @@ def solved(
         warnings.append("the grid is closed both ways: its line j = 0 is kept, else nothing would hold it")
     if transposed:
         points, asked, cyclic = np.ascontiguousarray(points.swapaxes(0, 1)), asked.transposed(), True
+    if cyclic and len(poles(points)) == 2:
+        warnings.append("the grid has two poles and no other boundary: the line of its cut is kept, else it might turn")
+        cyclic = False
     found = _curved(points, cyclic, asked, surface, progress)
     grid = start.with_points(found.points.swapaxes(0, 1) if transposed else found.points)
     found.warnings[:0] = warnings
@@ -85,16 +88,16 @@ def _curved(
         return Found(points, [0.0], True)
     controls = asked.growth(points, cyclic)
     # Control from the boundary's spacing knows of poles by itself.
-    poles = None if asked.control == "boundary spacing" else from_poles(points)
+    around_poles = None if asked.control == "boundary spacing" else from_poles(points)
     for share in SHARES if controls is not None else (1.0,):
-        parts = [part for part in (None if controls is None else share * controls, poles) if part is not None]
+        parts = [part for part in (None if controls is None else share * controls, around_poles) if part is not None]
         found = _once(points, sum(parts) if parts else None, cyclic, asked, surface, progress)
         folded = folded_cells(found.points) if surface is None else folded_on(surface, found.points)
         if not (found.stalled or folded.any()):
             break
     if share < 1:
         found.warnings.append(f"control functions were too strong for a sound grid and were reduced to {share:.0%}")
-    if poles is not None:
+    if around_poles is not None:
         found.warnings.append("a side is one point: a control function spreads the lines around it evenly")
     return found
 

@@ -78,7 +78,7 @@ def put_on(surface: FacetedSurface, grid: StructuredGrid, gap: float, what: str)
     ['the sides lay up to 0.25 off the surface and were put on it']
     """
     points = grid.points.reshape(-1, 3)
-    foot = surface.closest(points)
+    foot = surface.dropped(points)
     new = foot.points.reshape(grid.points.shape)
     away = foot.distance.reshape(grid.shape[:2])
     far = max(away[0].max(), away[-1].max(), away[:, 0].max(), away[:, -1].max())

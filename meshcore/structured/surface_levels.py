@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..geometry.closest import FacetedSurface
+from ..geometry.closest import FacetedSurface, Foot
 from ..geometry.surfaces import Surface
 from ..threads import Workers
 from . import _winslow_surface_kernels as kernels
@@ -35,6 +35,15 @@ class OnSurface(Level):
     def set_growth(self, growth: np.ndarray) -> None:
         """Take (2, ni, nj) logarithms of growth as control functions; none if empty."""
         self._control = -2 * np.tanh(growth.reshape(-1) / 2)
+
+    def smooth(self, *, back: bool) -> None:
+        """Zebra lines along i and j, twice, or in the reverse order: coarse corrections fit less than in a plane."""
+        for axis in (1, 0, 1, 0) if back else (0, 1, 0, 1):
+            self._sweep(axis)
+
+    @abstractmethod
+    def _sweep(self, axis: int) -> None:
+        """Zebra lines along one direction."""
 
     @abstractmethod
     def _evaluated(self) -> tuple[np.ndarray, np.ndarray]:
@@ -103,11 +112,9 @@ class Patch(OnSurface):
     def _right_side(self, tangents: np.ndarray) -> np.ndarray:
         return self.f.reshape(-1)
 
-    def smooth(self, *, back: bool) -> None:
-        """Zebra lines along i and j, or in the reverse order."""
-        for axis in (1, 0) if back else (0, 1):
-            self._relax(*self._evaluated(), self.x.reshape(-1), axis)
-            self._close()
+    def _sweep(self, axis: int) -> None:
+        self._relax(*self._evaluated(), self.x.reshape(-1), axis)
+        self._close()
 
     def defect(self) -> np.ndarray:
         """f - N(x), zero on the boundary; the array is used again by the next call."""
@@ -122,7 +129,8 @@ class Patch(OnSurface):
 class Draped(OnSurface):
     """A grid on a surface of facets: x are points in space, which are dropped on it wherever they move.
 
-    What is tangential is so to the smooth normals of the surface. Right sides are vectors in space.
+    The equations are those of the smooth surface that the facets stand for, above x, and what is tangential is so to
+    its normals. Right sides are vectors in space.
     """
 
     _period = (0.0, 0.0, 0.0)
@@ -142,24 +150,32 @@ class Draped(OnSurface):
     def _evaluated(self) -> tuple[np.ndarray, np.ndarray]:
         """Flat points and orthonormal tangents at x, whose inner points are dropped on the surface."""
         self._close()
-        normals = dropped(self._surface, self.x, self.cyclic)
-        n = normals.reshape(3, -1)
-        away = np.zeros_like(n)
-        away[np.abs(n).argmin(axis=0), np.arange(n.shape[1])] = 1.0
-        first = away - n * (n * away).sum(axis=0)
-        first /= np.linalg.norm(first, axis=0)
-        return self.x.reshape(-1) / self._size, np.concatenate([first, np.cross(n, first, axis=0)]).ravel()
+        foot = dropped(self._surface, self.x, self.cyclic)
+        n = np.ascontiguousarray(foot.normals.T)
+        # Lines are solved for components along the tangents: these must turn smoothly along them, as the grid does.
+        along = self._along_i().reshape(3, -1)
+        along -= n * (n * along).sum(axis=0)
+        length = np.linalg.norm(along, axis=0)
+        first = along / np.where(length > 0, length, 1.0)
+        points = (self.x.reshape(-1) + foot.lifts.T.ravel()) / self._size
+        return points, np.concatenate([first, np.cross(n, first, axis=0)]).ravel()
+
+    def _along_i(self) -> np.ndarray:
+        """(3, ni, nj) differences of the points across each node."""
+        along = np.gradient(self.x, axis=1)
+        if self.cyclic:
+            along[:, 0] = along[:, -1] = 0.5 * (self.x[:, 1] - self.x[:, -2])
+        return along
 
     def _right_side(self, tangents: np.ndarray) -> np.ndarray:
         return (tangents.reshape(2, 3, -1) * self.f.reshape(1, 3, -1)).sum(axis=1).ravel()
 
-    def smooth(self, *, back: bool) -> None:
-        """Zebra lines along i and j, or in the reverse order."""
-        for axis in (1, 0) if back else (0, 1):
-            r, t = self._evaluated()
-            self._relax(r, t, self._moves.reshape(-1), axis)
-            self.x[...] = self._size * r.reshape(self.x.shape)
-        self._evaluated()
+    def _sweep(self, axis: int) -> None:
+        r, t = self._evaluated()
+        before = r.copy()
+        self._relax(r, t, self._moves.reshape(-1), axis)
+        self.x += self._size * (r - before).reshape(self.x.shape)
+        dropped(self._surface, self.x, self.cyclic)
 
     def defect(self) -> np.ndarray:
         """f - N(x) in space, zero on the boundary; the array is used again by the next call."""
@@ -189,13 +205,13 @@ class _Dropping(Transfer):
         return coarse
 
 
-def dropped(surface: FacetedSurface, x: np.ndarray, cyclic: bool) -> np.ndarray:
-    """(3, ni, nj) normals of a surface; the inner points of x, of that shape, are put on it."""
+def dropped(surface: FacetedSurface, x: np.ndarray, cyclic: bool) -> Foot:
+    """Where the (3, ni, nj) points of x come to lie on a surface; the inner ones are put there."""
     foot = surface.closest(x.reshape(3, -1).T)
     at = foot.points.T.reshape(x.shape)
     inner = np.s_[:, :, 1:-1] if cyclic else np.s_[:, 1:-1, 1:-1]
     x[inner] = at[inner]
-    return np.ascontiguousarray(foot.normals.T).reshape(x.shape)
+    return foot
 
 
 def folded_against(points: np.ndarray, normals: np.ndarray) -> np.ndarray:

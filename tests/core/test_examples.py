@@ -15,6 +15,7 @@ NUMBERS = {
     "chapter_4_h_refinement": None,
     "circumcentre_refinement": None,
     "dented_box": 32**3,
+    "curved_grid_smoothed": 64 * 32,
     "figure_01_structured_and_unstructured": 24 * 12,
     "figure_02_two_block_grid": 2 * 40 * 24,
     "figure_04_mapping_of_boundaries": 25 * 13,
@@ -35,6 +36,7 @@ NUMBERS = {
     "grid_quality": None,
     "moving_grid": 48 * 48,
     "passage_between_six_faces": 24 * 20 * 20,
+    "patch_on_a_scan": 48 * 40,
     "surface_between_four_curves": 32 * 24,
     "turbine_passage": 24 * 48 * 20,
 }
