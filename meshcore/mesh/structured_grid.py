@@ -163,9 +163,12 @@ class StructuredGrid:
 
 def _checked_points(points: Any) -> np.ndarray:
     try:
-        points = np.ascontiguousarray(points, dtype=np.float64)
+        given = np.asarray(points)
+        points = np.ascontiguousarray(given, dtype=np.float64) if given.dtype.kind != "c" else None
     except (TypeError, ValueError):
-        raise InvalidInput("needs numbers, as an (ni, nj, nk, 3) array", parameter="points") from None
+        points = None
+    if points is None:
+        raise InvalidInput("needs real numbers, as an (ni, nj, nk, 3) array", parameter="points")
     if points.ndim == 3:
         points = points[:, :, None, :]
     if points.ndim != 4 or points.shape[3] not in (2, 3):

@@ -144,6 +144,14 @@ def _logarithm(vectors: np.ndarray) -> np.ndarray:
     return np.log(np.maximum(np.linalg.norm(vectors, axis=-1), _SMALLEST))
 
 
+def _real(values: ControlFunction, name: str) -> np.ndarray:
+    """Values as an array, if they are real numbers."""
+    try:
+        return np.asarray(values, float)
+    except (TypeError, ValueError):
+        raise InvalidInput(f"{name} needs real numbers, got {values!r}", parameter="control_functions") from None
+
+
 def from_user(functions: Sequence[ControlFunction], shape: tuple[int, ...]) -> np.ndarray:
     """Growth that stands for the user's control functions P, Q and, in space, R.
 
@@ -169,6 +177,10 @@ def from_user(functions: Sequence[ControlFunction], shape: tuple[int, ...]) -> n
     >>> from_user((lambda i, j, k: 0.1 * (i - 1), 0, np.full((3, 3, 3), -0.2)), (3, 3, 3))[:, 2, 1, 1].round(4) + 0.0
     array([-0.1001,  0.    ,  0.2007])
     """
+    if isinstance(functions, str) or not hasattr(functions, "__len__"):
+        raise InvalidInput(
+            f"needs a tuple of arrays, numbers or functions, got {functions!r}", parameter="control_functions"
+        )
     if len(functions) != len(shape):
         raise InvalidInput(
             f"needs one function for each of {len(shape)} directions, got {len(functions)}",
@@ -177,7 +189,7 @@ def from_user(functions: Sequence[ControlFunction], shape: tuple[int, ...]) -> n
     indices = np.meshgrid(*(np.arange(n, dtype=float) for n in shape), indexing="ij")
     growth = np.empty((len(shape), *shape))
     for name, function, into in zip("PQR", functions, growth, strict=False):
-        values = np.asarray(function(*indices) if callable(function) else function, float)
+        values = _real(function(*indices) if callable(function) else function, name)
         if values.shape not in (shape, ()):
             raise InvalidInput(f"{name} needs shape {shape}, got {values.shape}", parameter="control_functions")
         if not (np.abs(values) < 2).all():  # false for NaN

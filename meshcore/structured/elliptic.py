@@ -160,7 +160,7 @@ def elliptic(
     InvalidInput
         If the sides do not fit each other, or a control is impossible, such as walls of a curved patch.
     InvalidGeometry
-        If sides do not meet, or have coincident points; if a surface has no facets, or one side only.
+        If sides do not meet, cross each other, or have coincident points; if a surface has no facets, or one side only.
     GenerationFailed
         If cells stay folded; `cells` are the folded ones, `partial` the grid.
 

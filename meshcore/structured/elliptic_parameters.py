@@ -67,6 +67,12 @@ def sides_of(walls: Walls) -> list[str]:
     return [] if walls == "none" else list(SIDES) if walls == "all" else walls.split(" and ")
 
 
+def check_walls(walls: Sequence[Wall]) -> None:
+    """Refuse what is no sequence of `Wall`."""
+    if not isinstance(walls, Sequence) or not all(isinstance(wall, Wall) for wall in walls):
+        raise InvalidInput(f"needs walls in a list, such as [Wall('south')], got {walls!r}", parameter="each_wall")
+
+
 def asked_walls(
     chosen: Walls,
     first_height: Length | None,

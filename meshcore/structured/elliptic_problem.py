@@ -18,7 +18,9 @@ from ..threads import Workers, available_threads
 from .barrier import curable_cells, unfolded
 from .biharmonic import biharmonic
 from .control_functions import Attractor, ControlFunction, from_attractors, from_boundary, from_user
-from .folds import refuse_folds
+from .crossed_sides import refuse_crossed_sides
+from .folds import folded_cells, refuse_folds
+from .limits import check_extent
 from .wall_control import FEWEST_CELLS, Wall, controlled
 from .winslow import CUT, MOST_CYCLES, SIDES, Frame, levels_of, orientation, winslow
 
@@ -87,8 +89,8 @@ class Asked:
         """The same of a grid whose i and j change places."""
         functions = self.control_functions
         if functions is not None:
-            p, q = ((lambda i, j, f=f: f(j, i)) if callable(f) else np.asarray(f).T for f in functions)
-            functions = (q, p)
+            turned = [(lambda i, j, f=f: f(j, i)) if callable(f) else np.asarray(f).T for f in functions]
+            functions = turned[::-1]
         attractors = [replace(a, i=a.j, j=a.i) for a in self.attractors]
         names = dict(zip(SIDES, ("west", "north", "east", "south"), strict=True))
         walls = [replace(wall, side=names[wall.side]) for wall in self.walls]
@@ -126,11 +128,16 @@ class Found:
 def solved(start: StructuredGrid, asked: Asked, progress: Progress = silent) -> Result:
     """The elliptic grid with the boundary of a planar one, checked."""
     spatial = start.points[:, :, 0]
+    check_extent(start.flat(start.points), parameter="grid")
     plane = fitted_plane(start.flat(start.points), parameter="grid")  # which numbers points as hosts do
     flat = plane.to_plane(spatial.reshape(-1, 3)).reshape(*spatial.shape[:2], 2)
     if start.periodic[0] and start.periodic[1]:
         raise InvalidInput("is periodic along i and j, which no planar grid can be", parameter="grid")
+    if folded_cells(spatial).any():
+        refuse_crossed_sides(start)
     if is_left_handed(start):
+        if is_left_handed(start.reversed_along_i()):
+            raise InvalidGeometry("has no area within its boundary; move its sides apart", parameter="grid")
         raise InvalidGeometry("is left-handed: its cells run clockwise; reverse its i", parameter="grid")
     transposed = start.periodic[1]
     cuts = cuts_of(start, asked.periodic)
@@ -139,6 +146,8 @@ def solved(start: StructuredGrid, asked: Asked, progress: Progress = silent) -> 
     if absent := [wall.side for wall in asked.walls if wall.side in cuts]:
         raise InvalidInput(f"{absent[0]} is where the periodic grid is cut, not a wall", parameter="walls")
     sliding = [wall.side for wall in asked.walls if wall.slides]
+    for wall in asked.walls:
+        _check_wall(wall, spatial[SIDES[wall.side]])
     if transposed:
         flat, asked = np.ascontiguousarray(flat.swapaxes(0, 1)), asked.transposed()
     if asked.periodic:
@@ -198,6 +207,23 @@ def cuts_of(grid: StructuredGrid, repeats: bool = False) -> tuple[str, ...]:
     ('south', 'north')
     """
     return CUT if grid.periodic[0] or repeats else ("south", "north") if grid.periodic[1] else ()
+
+
+def _check_wall(wall: Wall, side: np.ndarray) -> None:
+    """Refuse walls that have no direction somewhere, and numbers for other points than a side has."""
+    same = np.flatnonzero((side[1:] == side[:-1]).all(axis=1))
+    if len(same):
+        x, y, z = side[same[0]]
+        raise InvalidGeometry(
+            f"{wall.side} has two points at ({x:.6g}, {y:.6g}, {z:.6g}), where nothing can leave at an angle; take it "
+            "out of the walls, or move its points apart",
+            parameter="walls",
+        )
+    for what, values in (("first height", wall.first_height), ("angle", wall.angle)):
+        if np.ndim(values) and np.shape(values) != (len(side),):
+            raise InvalidInput(
+                f"{wall.side} has {len(side)} points, but its {what} has shape {np.shape(values)}", parameter="walls"
+            )
 
 
 def _check_periodic(points: np.ndarray) -> None:

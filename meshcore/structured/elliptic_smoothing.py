@@ -25,9 +25,11 @@ from .elliptic_parameters import (
     WallAngleParam,
     WallsParam,
     asked_walls,
+    check_walls,
 )
 from .elliptic_problem import Asked, cuts_of, is_left_handed
 from .elliptic_surface import solved
+from .limits import check_extent
 from .on_facets import put_on
 from .quad_nets import grid_of
 from .side_parameters import SurfacePort
@@ -132,7 +134,10 @@ def elliptically_smoothed(
     >>> report.converged, report.quality["error of wall angles (degree)"] < 1
     (True, True)
     """
-    start, warnings = _right_handed(_closed(_as_surface(grid)))
+    given = _as_surface(grid)
+    check_extent(given.flat(given.points), parameter="grid")
+    start, warnings = _right_handed(_closed(given))
+    check_walls(each_wall)
     if each_wall and walls != "none":
         raise InvalidInput("is given beside walls; give only one of them", parameter="each_wall")
     named = asked_walls(walls, first_height, wall_angle, sliding, diagonal=start.diagonal, cuts=cuts_of(start))

@@ -29,7 +29,7 @@ from .elliptic_parameters import (
     WallAngleParam,
     asked_faces,
 )
-from .limits import check_size
+from .limits import check_extent, check_size
 from .quad_nets import cage_of
 from .transfinite_volume import interpolated_volume
 from .wall_control import Wall
@@ -199,6 +199,7 @@ def _as_block(block: Mesh | StructuredGrid) -> tuple[StructuredGrid, list[str]]:
     if block.is_surface:
         raise InvalidInput(f"is a surface, {block!r}; give a grid of two or more layers of points", parameter="block")
     ni, nj, nk = block.shape
+    check_extent(block.points.reshape(-1, 3), parameter="block")
     check_size(ni * nj, nk, parameter="block")
     if not winslow_3d.is_left_handed(block.points):
         return block, []

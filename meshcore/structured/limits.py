@@ -43,7 +43,7 @@ def check_extent(points: np.ndarray, *, parameter: str) -> float:
     Raises
     ------
     InvalidGeometry
-        If coordinates or the extent are beyond `LARGEST` and `SMALLEST`.
+        If coordinates or the extent are beyond `LARGEST` and `SMALLEST`, or all points are the same.
 
     Examples
     --------
@@ -52,6 +52,8 @@ def check_extent(points: np.ndarray, *, parameter: str) -> float:
     """
     largest = float(np.abs(points).max())
     extent = float(np.ptp(points, axis=0).max()) if largest < LARGEST else largest
+    if extent == 0:
+        raise InvalidGeometry("has all its points at one place; move them apart", parameter=parameter)
     if not SMALLEST < extent < LARGEST:
         raise InvalidGeometry(
             f"has an extent of {extent:.3g}; scale it to between {SMALLEST:g} and {LARGEST:g}", parameter=parameter

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..errors import InvalidGeometry
 from ..mesh import Mesh, StructuredGrid
+from .limits import check_extent
 
 
 class QuadNet:
@@ -225,6 +226,7 @@ def _net(mesh: Mesh, parameter: str) -> QuadNet:
         raise InvalidGeometry(
             f"needs quads alone, has {len(mesh.get('quad'))} and {others} other faces", parameter=parameter
         )
+    check_extent(mesh.points[mesh.get("quad")].reshape(-1, 3), parameter=parameter)
     return QuadNet(mesh, parameter)
 
 

@@ -18,6 +18,7 @@ from ..quality import summary, validate
 from ..report import Report, Result
 from ..sizing import Spacing
 from .blending import Blending, Patch, interpolated
+from .crossed_sides import refuse_crossed_sides
 from .folds import folded_cells, refuse_folds
 from .interior_lines import fitted_lines, fitted_sides, read_lines
 from .limits import check_size
@@ -166,8 +167,8 @@ def transfinite(
     InvalidInput
         If opposite sides differ in their number of points, or a spacing cannot be had.
     InvalidGeometry
-        If sides do not meet, or have coincident points; the message names the gap or the points. If a line inside
-        does not connect opposite sides, or does not cross another.
+        If sides do not meet, cross in their plane, or have coincident points; the message names the gap or the place.
+        If a line inside does not connect opposite sides, or does not cross another.
     GenerationFailed
         If the grid folds over itself or its sides (overspill); `cells` are the folded ones, `partial` the grid.
 
@@ -191,7 +192,10 @@ def transfinite(
     given = {"south": south, "east": east, "north": north, "west": west}
     ends = {"south": spacing_south, "east": spacing_east, "north": spacing_north, "west": spacing_west}
     sides = Sides.read(given, corners, tolerance, shift_corners)
-    asked = Asked(cells_i, cells_j, law_i, law_j, ends, _named(spacings, "spacings"))
+    for name, spacing in _named(spacings, "spacings").items():
+        if not isinstance(spacing, Spacing):
+            raise InvalidInput(f"of {name} needs a Spacing, got {spacing!r}", parameter="spacings")
+    asked = Asked(cells_i, cells_j, law_i, law_j, ends, spacings or {})
     n_i, n_j = (cells + 1 for cells in asked.cells(sides))
     check_size(n_i, n_j, parameter="cells_i" if n_i > n_j else "cells_j")
     fractions = asked.fractions(sides)
@@ -208,11 +212,13 @@ def transfinite(
     elif slopes is not None:
         raise InvalidInput('are matched by blending="cubic" only', parameter="slopes")
     points = patch.points()
-    done = []
-    if cure != "none" and folded_cells(points).any():
-        advance(progress, 0.5, "curing overspill")
-        patch, points, done = cured(patch, points, cure)
     faces = {face: sides.names[place] for face, place in zip(("jmin", "imax", "jmax", "imin"), NAMES, strict=True)}
+    done = []
+    if folded_cells(points).any():
+        refuse_crossed_sides(StructuredGrid(points), faces)
+        if cure != "none":
+            advance(progress, 0.5, "curing overspill")
+            patch, points, done = cured(patch, points, cure)
     grid = StructuredGrid(points, names=faces)
     if surface is None:
         refuse_folds(grid, _insufficient(done))
@@ -242,6 +248,8 @@ def _on_surface(
 
 
 def _named(values: Mapping[str, Any] | None, parameter: str) -> Mapping[str, Any]:
+    if values is not None and not isinstance(values, Mapping):
+        raise InvalidInput(f"needs a dict with one for each side by name, got {values!r}", parameter=parameter)
     unknown = set(values or {}) - set(NAMES)
     if unknown:
         raise InvalidInput(f"{sorted(unknown)[0]!r} is no side; sides are {', '.join(NAMES)}", parameter=parameter)

@@ -61,7 +61,7 @@ def test_the_cut_of_an_o_grid_closes():
         (np.zeros((3, 3)), InvalidInput, "needs shape"),
         (np.zeros((1, 3, 3)), InvalidInput, "at least 2 x 2 points"),
         (np.zeros((2, 2, 2, 4)), InvalidInput, "needs shape"),
-        ("points", InvalidInput, "needs numbers"),
+        ("points", InvalidInput, "needs real numbers"),
         (np.full((2, 2, 3), np.nan), InvalidGeometry, r"point \(0, 0, 0\)"),
     ],
 )
@@ -92,3 +92,8 @@ def test_blocks_have_different_names():
         MultiBlock(blocks.blocks, ("a", "a"))
     with pytest.raises(InvalidInput, match="at least one block"):
         MultiBlock(())
+
+
+def test_complex_points_are_refused_not_cut_to_their_real_parts():
+    with pytest.raises(InvalidInput, match="points: needs real numbers"):
+        StructuredGrid(np.zeros((3, 3, 1, 3), complex))

@@ -157,3 +157,36 @@ def test_the_command_line_smooths_a_file(tmp_path, capsys, make):
     found = io.read(made)
     expected = mc.elliptically_smoothed(rough_ring(), walls="south").mesh
     assert found.periodic == (True, False, False) and np.array_equal(found.points, expected.points)
+
+
+def unit(ni, nj):
+    return np.stack(np.meshgrid(np.linspace(0, 1, ni), np.linspace(0, 1, nj), [0.0], indexing="ij"), axis=-1)
+
+
+@pytest.mark.parametrize(
+    ("points", "keywords", "error", "text"),
+    [
+        (1e300 * unit(4, 4), {}, InvalidGeometry, r"grid: has an extent of 1e\+300; scale it"),
+        (1e-200 * unit(4, 4), {}, InvalidGeometry, "grid: has an extent of 1e-200; scale it"),
+        (
+            unit(5, 5) * np.r_[0.0, np.ones(4)][None, :, None, None] ** [1, 0, 0],
+            {"walls": "south"},
+            InvalidGeometry,
+            "two points at",
+        ),
+        (unit(5, 5), {"each_wall": ["south"]}, InvalidInput, "each_wall: needs walls in a list"),
+        (unit(5, 5), {"each_wall": 3}, InvalidInput, "each_wall: needs walls in a list"),
+        (
+            unit(5, 5),
+            {"each_wall": [Wall("south", first_height=[0.1, 0.1])]},
+            InvalidInput,
+            "south has 5 points, but its first height",
+        ),
+        (unit(5, 5), {"control_functions": "xy"}, InvalidInput, "control_functions: needs a tuple of arrays"),
+        (unit(5, 5), {"control_functions": (1j, 0)}, InvalidInput, "control_functions: P needs real numbers, got 1j"),
+        (unit(5, 5), {"control_functions": (lambda i, j: "a", 0)}, InvalidInput, "P needs real numbers"),
+    ],
+)
+def test_impossible_grids_and_walls_are_refused(points, keywords, error, text):
+    with pytest.raises(error, match=text):
+        mc.elliptically_smoothed(mc.StructuredGrid(points), **keywords)

@@ -171,7 +171,7 @@ def test_bad_blocks_are_named():
         mc.elliptic_volume(StructuredGrid(nan))
     with pytest.raises(GenerationFailed):
         mc.elliptic_volume(StructuredGrid(good * [1, 1, 0]))
-    with pytest.raises(GenerationFailed):
+    with pytest.raises(InvalidGeometry, match="all its points at one place"):
         mc.elliptic_volume(StructuredGrid(np.zeros((4, 4, 4, 3))))
     with pytest.raises(InvalidInput, match="threads"):
         mc.elliptic_volume(StructuredGrid(good), threads=0)
@@ -192,3 +192,11 @@ def test_blocks_almost_without_inside(cells):
     grid, report = mc.elliptic_volume(surface_of(box(*cells)))
     assert report.converged
     assert grid.n_cells == np.prod(cells)
+
+
+@pytest.mark.parametrize("scale", [1e300, 1e-200])
+@pytest.mark.parametrize("as_cage", [True, False])
+def test_blocks_beyond_what_arithmetic_can_do_are_refused(scale, as_cage):
+    block = mc.StructuredGrid(scale * np.stack(np.meshgrid(*[np.linspace(0, 1, 4)] * 3, indexing="ij"), axis=-1))
+    with pytest.raises(InvalidGeometry, match=r"block: has an extent of .*; scale it"):
+        mc.elliptic_volume(block.to_mesh().boundary if as_cage else block)

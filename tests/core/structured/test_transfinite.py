@@ -253,8 +253,8 @@ UNIT = (side((0, 0), (1, 0)), side((1, 0), (1, 1)), side((0, 1), (1, 1)), side((
         (  # a bow tie: south and north cross
             (side((0, 0), (1, 1)), side((1, 1), (1, 0)), side((0, 1), (1, 0)), side((0, 0), (0, 1))),
             {"cells_i": 6, "cells_j": 6},
-            GenerationFailed,
-            "folded",
+            InvalidGeometry,
+            "south: crosses north near .0.5, 0.5, 0.; move the sides apart",
         ),
     ],
 )
@@ -294,3 +294,9 @@ def test_stops_when_told():
 def test_grids_too_large_for_the_memory(cells):
     with pytest.raises(InvalidInput, match=r"cells_[ij]: would make .* points; at most"):
         mc.transfinite(gallery.circle(40), cells_i=cells[0], cells_j=cells[1])
+
+
+@pytest.mark.parametrize("keywords", [{"spacings": {"south": 3}}, {"spacings": []}, {"slopes": 3, "blending": "cubic"}])
+def test_spacings_and_slopes_of_other_kinds_are_refused(keywords):
+    with pytest.raises(InvalidInput, match=next(iter(keywords))):
+        mc.transfinite(*WAVY, **keywords)

@@ -327,7 +327,7 @@ CUBE = np.stack(lattice([0.0, 1], [0.0, 1], [0.0, 1]), axis=-1)
         ({k: v for k, v in FACES.items() if k != "kmax"}, {}, InvalidInput, "kmax: is missing"),
         (replaced("jmin", NAN), {}, InvalidGeometry, "jmin: point"),
         (replaced("jmin", np.zeros((3, 3))), {}, InvalidInput, "jmin: needs shape"),
-        (replaced("jmin", "front"), {}, InvalidInput, "jmin: needs numbers"),
+        (replaced("jmin", "front"), {}, InvalidInput, "jmin: needs real numbers"),
         (replaced("jmin", FACES["jmin"][:1]), {}, InvalidInput, "jmin: needs at least 2 x 2 points"),
         (replaced("jmin", bent_block()), {}, InvalidInput, "jmin: needs a surface of one layer"),
         (replaced("jmin", gallery.triangulated_square()), {}, InvalidGeometry, "jmin: needs quads alone"),
