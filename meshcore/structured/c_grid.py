@@ -7,24 +7,27 @@ from typing import Annotated
 
 import numpy as np
 
-from ..geometry.curves import Curve
+from ..geometry.curves import Curve, arc_length
 from ..geometry.section import Section
 from ..mesh import Cut, StructuredGrid
 from ..operation import Param, Port, Relative, absolute, operation
 from ..progress import Progress, advance, part_of, silent
 from ..report import Result
 from . import section_parameters as parameters
-from .far_field import OuterCurve, c_shape, check_radius, given_outer, half_box
+from .far_field import OuterCurve, c_shape, given_outer, half_box
 from .limits import check_size
 from .lines_out import geometric_lines
-from .section_front import clockwise_front, respaced_section, wake_line
+from .section_front import BASE_CELLS, clockwise_front, respaced_section, wake_line
 from .section_input import GivenSection, section_loop
+from .section_march import marched_lines
 from .section_result import finished, scaled_jacobians
 from .unwrapped import Unwrapped, paths, unwrapped
 
 _CURE = "make the section smoother or thinner, give more points around it, or take o_grid"
 _BENDS = (0.3, 0.1, 0.03)
 _EVENNESS = (0.7, 0.4, 1.0)
+_BASE_HEIGHT, _BASE_RISE = 0.7, 0.2
+"""First heights of marches at a blunt base, of its cells, and how fast they may rise away from it."""
 _NAMES = {"imin": "outflow", "imax": "outflow", "jmin": "wall", "jmax": "far field"}
 
 
@@ -74,9 +77,10 @@ def c_grid(
     radius : float
         Distance of the far field from mid-chord, in chords. The chord reaches from the trailing edge to the point
         farthest from it.
-    method : {"transfinite", "elliptic"}
-        Lines by interpolation between section and far field, or smoothed by the elliptic equations with right angles
-        and first heights held.
+    method : {"transfinite", "elliptic", "hyperbolic", "parabolic"}
+        Lines by interpolation between section and far field; that grid smoothed by the elliptic equations, with right
+        angles and first heights held; marched off at right angles, the far field being where the march arrives; or
+        marched onto the far field.
     first_height : Length
         Distance of the first points from the section, and from the wake.
     y_plus : float, optional
@@ -137,20 +141,26 @@ def c_grid(
         check_size(around + 1, (layers or 1) + 1, parameter="around")
     shape = respaced_section(Section.of(given.loop), around, lead, trail)
     reach = radius * shape.chord
-    height = parameters.wall_height(first_height, y_plus, reynolds, shape, given.diagonal, reach)
+    height = parameters.wall_height(first_height, y_plus, reynolds, shape.loop, shape.chord, given.diagonal, reach)
     front = _front(shape, (wake or radius) * shape.chord, wake_cells, wake_growth)
     curve = _outer_curve(given, shape, outer, far_field, reach, front.end)
     advance(progress, 0.1, "choosing lines")
-    points, ratio = _best(front, curve, np.full(len(front.points), height), layers, growth, part_of(progress, 0.1, 0.6))
+    points, ratio = _best(front, curve, np.full(len(front.points), height), layers, growth, part_of(progress, 0.1, 0.5))
+    warnings = list(given.warnings)
+    if method in ("hyperbolic", "parabolic"):
+        low, step = _low_at_base(front, height), part_of(progress, 0.5, 0.6)
+        marched, told = marched_lines(points, method, closed=False, progress=step, first=low)
+        warnings += told
+        points, method = (points, "elliptic") if marched is None else (marched, method)
     n = len(points) - 1
     points[n - front.wake :, 0] = points[front.wake :: -1, 0]  # the cut, to the last bit
     cut = Cut(((0, 0, 0), (front.wake, 0, 0)), ((n, 0, 0), (n - front.wake, 0, 0)), (-1, -2, 3), name="wake")
     grid = StructuredGrid(given.to_space(points), names=_NAMES, cuts=(cut,))
     counts = {"around": n - 2 * front.wake, "wake": front.wake, "layers": grid.cell_shape[1]}
-    told = {"first height": height, "largest growth": ratio}
+    figures = {"first height": height, "largest growth": ratio}
     shift = np.abs(front.opened.shift)
     kept = np.clip(4 * shift / max(float(shift.max()), 1e-300), 0, 1)
-    return finished(grid, method, kept, _CURE, counts, told, given.warnings, part_of(progress, 0.6, 1.0))
+    return finished(grid, method, kept, _CURE, counts, figures, warnings, part_of(progress, 0.6, 1.0))
 
 
 @dataclass(frozen=True)
@@ -174,11 +184,21 @@ def _front(section: Section, length: float, cells: int | None, growth: float) ->
     return _Front(points, wake, line[-1], opened)
 
 
+def _low_at_base(front: _Front, height: float) -> np.ndarray | None:
+    """(n,) float: first heights that a blunt base lets a march have: of its cells there, growing away from it."""
+    if not front.opened.shift.any():
+        return None
+    n, wake = len(front.points), front.wake
+    length = arc_length(front.points)
+    around = length[[wake, wake + BASE_CELLS, n - 1 - wake - BASE_CELLS, n - 1 - wake]]
+    away = np.min(np.abs(length[:, None] - around), axis=1)
+    return np.minimum(height, (around[1] - around[0]) / BASE_CELLS * _BASE_HEIGHT + _BASE_RISE * away)
+
+
 def _outer_curve(given: GivenSection, section: Section, outer, shape: str, reach: float, end: np.ndarray) -> OuterCurve:
     ahead = 0.5 * (section.nose + section.tail) - reach * section.direction
     if outer is not None:
         return OuterCurve.ahead_of(given_outer(outer, given.plane, section, closed=False), section)
-    check_radius(reach, section)
     return OuterCurve((c_shape if shape == "C" else half_box)(section, reach, end), ahead)
 
 

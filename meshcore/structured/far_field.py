@@ -6,8 +6,8 @@ from typing import Literal
 
 import numpy as np
 
-from ..errors import InvalidGeometry, InvalidInput
-from ..geometry.curves import Curve, arc_length, polyline
+from ..errors import InvalidGeometry
+from ..geometry.curves import Curve, arc_length, polyline, turning
 from ..geometry.plane import Plane
 from ..geometry.section import Section, doubled_area
 
@@ -82,18 +82,70 @@ def half_box(section: Section, radius: float, end: np.ndarray) -> np.ndarray:
     return np.array([centre + x * forward + y * side for x, y in corners])
 
 
-def closed_far_field(section: Section, shape: FarField, radius: float) -> np.ndarray:
-    """(m, 2) float: a closed loop, counter-clockwise, the last point not repeating the first."""
+class PolarCurve:
+    """A closed far field that each direction from a point meets once: a circle, or a polygon.
+
+    Parameters
+    ----------
+    centre : (2,) float
+        The point.
+    outline : float or (m, 2) float
+        Radius of a circle, or the corners, counter-clockwise.
+
+    Raises
+    ------
+    InvalidGeometry
+        If the directions to the corners do not go once round the centre.
+    """
+
+    def __init__(self, centre: np.ndarray, outline: float | np.ndarray):
+        self.centre, self.circle = centre, np.ndim(outline) == 0
+        if self.circle:
+            self.least = float(outline)
+            return
+        away = outline - centre
+        angle = np.unwrap(np.arctan2(away[:, 1], away[:, 0]))
+        closing = angle[0] + 2 * np.pi
+        if (np.diff(np.append(angle, closing)) <= 0).any() or angle[-1] >= closing:
+            raise InvalidGeometry(
+                f"cannot be seen whole from the middle of the chord, ({centre[0]:.6g}, {centre[1]:.6g})",
+                parameter="outer",
+            )
+        self._angle, self._away = np.append(angle, closing), np.vstack([away, away[:1]])
+        self.corners = outline[np.abs(turning(outline)) > np.radians(30)]
+        self.least = float(np.linalg.norm(away, axis=1).min())
+
+    def radius(self, away: np.ndarray) -> np.ndarray:
+        """(...,) float: the distance from the centre in the directions (..., 2)."""
+        if self.circle:
+            return np.full(away.shape[:-1], self.least)
+        angle = np.arctan2(away[..., 1], away[..., 0])
+        angle = self._angle[0] + (angle - self._angle[0]) % (2 * np.pi)
+        edge = np.clip(np.searchsorted(self._angle, angle, side="right") - 1, 0, len(self._angle) - 2)
+        start, along = self._away[edge], self._away[edge + 1] - self._away[edge]
+        unit = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+        across = unit[..., 0] * along[..., 1] - unit[..., 1] * along[..., 0]
+        return (start[..., 0] * along[..., 1] - start[..., 1] * along[..., 0]) / across
+
+    def beyond(self, points: np.ndarray) -> np.ndarray:
+        """(...,) float: how much farther from the centre points are than the curve is."""
+        away = points - self.centre
+        return np.linalg.norm(away, axis=-1) - self.radius(away)
+
+    def onto(self, points: np.ndarray) -> np.ndarray:
+        """(n, 2) float: points moved onto the curve along their directions; the nearest ones onto its corners."""
+        away = points - self.centre
+        found = self.centre + away * (self.radius(away) / np.linalg.norm(away, axis=1))[:, None]
+        if not self.circle:
+            for corner in self.corners:
+                found[np.argmin(np.linalg.norm(found - corner, axis=1))] = corner
+        return found
+
+
+def box_corners(section: Section, radius: float) -> np.ndarray:
+    """(4, 2) float: a square of half the size ``radius`` about the middle of the chord, counter-clockwise."""
     forward, side, centre = _frame(section)
-    if shape == "circle":
-        angle = 2 * np.pi * np.arange(1440) / 1440
-        return centre + radius * (np.cos(angle)[:, None] * forward + np.sin(angle)[:, None] * side)
-    edge = np.linspace(-1, 1, 181)[:-1]
-    one = np.ones(len(edge))
-    square = np.concatenate(
-        [np.column_stack(pair) for pair in ((one, edge), (-edge, one), (-one, -edge), (edge, -one))]
-    )
-    return centre + radius * (square[:, :1] * forward + square[:, 1:] * side)
+    return np.array([centre + radius * (x * forward + y * side) for x, y in ((1, -1), (1, 1), (-1, 1), (-1, -1))])
 
 
 def given_outer(curve: Curve, plane: Plane, section: Section, *, closed: bool) -> np.ndarray:
@@ -122,18 +174,6 @@ def given_outer(curve: Curve, plane: Plane, section: Section, *, closed: bool) -
     if not inside.all():
         raise InvalidGeometry("does not hold the section within it", parameter="outer")
     return loop if closed else flat[::-1]
-
-
-def check_radius(radius: float, section: Section) -> None:
-    """Raise if a far field about the middle of the chord does not hold the section."""
-    _, _, centre = _frame(section)
-    needed = float(np.linalg.norm(section.loop - centre, axis=1).max())
-    if radius <= needed:
-        raise InvalidInput(
-            f"is {radius / section.chord:.4g} chords, inside the section; it needs more than "
-            f"{needed / section.chord:.4g}",
-            parameter="radius",
-        )
 
 
 def _frame(section: Section) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -8,18 +8,21 @@ import numpy as np
 
 from ..errors import InvalidInput
 from ..geometry.curves import Curve
+from ..geometry.section import Section as SectionShape
 from ..mesh import StructuredGrid
-from ..operation import Length, Param, Port, Relative, absolute, operation
-from ..progress import Progress, advance, silent
-from ..quality import summary, validate
-from ..report import Report, Result
+from ..operation import Param, Port, Relative, absolute, operation
+from ..progress import Progress, advance, part_of, silent
+from ..report import Result
 from ..sizing import cells_for_growth, geometric
 from ..sizing.around_loop import respaced_loop
-from .folds import refuse_folds
+from . import section_parameters as parameters
+from .far_field import FarField, PolarCurve, box_corners, given_outer
 from .limits import check_size
-from .rays import Section, at_height, paths, ray_directions, to_circle
+from .rays import Section, at_height, paths, ray_directions, to_far_field
+from .section_front import edge_sizes
 from .section_input import section_loop
-from .section_result import scaled_jacobians
+from .section_march import marched_lines
+from .section_result import finished, scaled_jacobians
 
 _CURE = "make the section smoother or less re-entrant, move the far field, or give more points around it"
 _WIDTHS = (0.03, 0.06, 0.12)
@@ -31,25 +34,26 @@ UNEVEN = 0.1
 
 @operation("O Grid", category="Structured", output="grid")
 def o_grid(
-    section: Annotated[Curve, Port("One closed loop in a plane, such as an airfoil", cells=("line",))],
+    section: parameters.SectionPort,
+    outer: Annotated[Curve | None, Port("A closed far field round the section", cells=("line",))] = None,
     *,
-    radius: Annotated[float, Param("Radius of the far field, in chords", min=1, soft_max=100)] = 10.0,
-    first_height: Annotated[Length, Param("Height of the cells at the section", group="Spacing")] = Relative(0.001),
-    growth: Annotated[
-        float, Param("Growth of cell heights that sets the number of layers", min=1.001, max=3, group="Spacing")
-    ] = 1.15,
-    layers: Annotated[
-        int | None, Param("Cells from the section out; by default as many as growth needs", min=1, soft_max=500)
-    ] = None,
-    around: Annotated[
-        int | None, Param("Cells around the section; by default its own points", min=3, soft_max=1000)
-    ] = None,
+    far_field: Annotated[FarField, Param("Shape of the far field: a circle, or a box with corners")] = "circle",
+    radius: parameters.RadiusParam = 10.0,
+    method: parameters.MethodParam = "transfinite",
+    first_height: parameters.FirstHeightParam = Relative(0.001),
+    y_plus: parameters.YPlusParam = None,
+    reynolds: parameters.ReynoldsParam = 1e6,
+    growth: parameters.GrowthParam = 1.15,
+    layers: parameters.LayersParam = None,
+    around: parameters.AroundParam = None,
+    leading_spacing: parameters.LeadingParam = None,
+    trailing_spacing: parameters.TrailingParam = None,
     cut: Annotated[
         int, Param("Point of the section where the grid is cut; -1 finds the sharpest", min=-1, advanced=True)
     ] = -1,
     progress: Progress = silent,
 ) -> Result:
-    """Wrap an O-grid of quadrilaterals around a closed section, out to a circle.
+    """Wrap an O-grid of quadrilaterals around a closed section, out to a circle, a box or a given curve.
 
     Grid lines leave the section at right angles and end evenly on the circle. The points of the section are kept
     exactly, unless `around` asks for others.
@@ -65,17 +69,31 @@ def o_grid(
     Parameters
     ----------
     section : Mesh or (n, 3) float
-        The closed loop, in a plane of any attitude; if it is open it is refused.
+        The closed loop, in a plane of any attitude. A narrow gap at the trailing edge is closed.
+    outer : Mesh or (m, 3) float, optional
+        A far field of your own: a closed curve that can be seen whole from mid-chord.
+    far_field : {"circle", "box"}
+        The far field if there is no `outer`, about mid-chord.
     radius : float
-        Radius of the far field's circle about mid-chord, in chords. The chord is the section's greatest extent.
+        Its radius, or half its width, in chords. The chord is the section's greatest extent.
+    method : {"transfinite", "elliptic", "hyperbolic", "parabolic"}
+        Lines by interpolation between section and far field; that grid smoothed by the elliptic equations, with right
+        angles and first heights held; marched off at right angles, the far field being where the march arrives; or
+        marched onto the far field.
     first_height : Length
         Distance of the first points from the section.
+    y_plus : float, optional
+        The first height in wall units instead, by the friction of a flat plate at `reynolds`.
+    reynolds : float
+        Reynolds number of the chord.
     growth : float
         Heights grow from cell to cell by no more than this factor, if `layers` is left out.
     layers : int, optional
         Cells along j. The growth then follows.
     around : int, optional
         Cells along i: the section is resampled on a cubic spline, densely where it bends, with its corners kept.
+    leading_spacing, trailing_spacing : Length, optional
+        Sizes of the cells at the nose and at the cut.
     cut : int
         Number of the point where i begins; -1 takes the sharpest turn, an airfoil's trailing edge.
     progress : Progress, optional
@@ -98,7 +116,7 @@ def o_grid(
     Notes
     -----
     The grid is the projection P_t of transfinite interpolation between wall and circle, with the derivative matched
-    at the wall, so that lines are normal to it. Where rays meet the circle is a blend of arc length and of the
+    at the wall, so that lines are normal to it. Where rays meet the far field is a blend of arc length and of the
     section's positive turning; of a small family of blends that with the best corners and an even circle is taken.
 
     References
@@ -113,26 +131,32 @@ def o_grid(
     (StructuredGrid(25 x 9 points), 'wall')
     """
     given = section_loop(section)
-    loop, diagonal, warnings = given.begun_at(cut), given.diagonal, given.warnings
+    warnings = list(given.warnings)
+    loop = given.begun_at(cut)
+    chord, centre = _chord(loop)
+    lead, trail = (None if x is None else absolute(x, given.diagonal) for x in (leading_spacing, trailing_spacing))
     if around is not None:
         check_size(around + 1, (layers or 1) + 1, parameter="around")
-        loop = respaced_loop(loop, around)
-    height = absolute(first_height, diagonal)
-    points, ratio = _wrapped(loop, radius, height, growth, layers, progress)
-    flat = points[::-1]  # clockwise, so that i, j are right-handed
-    grid = StructuredGrid(
-        given.to_space(flat), names={"jmin": "wall", "jmax": "far field"}, periodic=(True, False, False)
-    )
-    advance(progress, 0.9, "checking the grid")
-    refuse_folds(grid, _CURE)
-    validate(grid)
-    counts = {
-        "points": grid.n_points,
-        "quads": grid.n_cells,
-        "around": grid.cell_shape[0],
-        "layers": grid.cell_shape[1],
-    }
-    return Result(grid, Report(counts=counts, quality={**summary(grid), "largest growth": ratio}, warnings=warnings))
+    if around is not None or lead is not None or trail is not None:
+        loop = respaced_loop(loop, around or len(loop), sizes=edge_sizes(loop, lead, trail))
+    reach = radius * chord
+    height = parameters.wall_height(first_height, y_plus, reynolds, loop, chord, given.diagonal, reach)
+    far = PolarCurve(centre, reach)
+    if outer is not None or far_field == "box":
+        shape = SectionShape.of(given.loop)
+        closed = box_corners(shape, reach) if outer is None else given_outer(outer, given.plane, shape, closed=True)
+        far = PolarCurve(centre, closed)
+    points, ratio = _wrapped(loop, far, chord, height, growth, layers, part_of(progress, 0.0, 0.6))
+    points = points[::-1]  # clockwise, so that i, j are right-handed
+    if method in ("hyperbolic", "parabolic"):
+        marched, told = marched_lines(points, method, closed=True, progress=part_of(progress, 0.6, 0.8))
+        warnings += told
+        points, method = (points, "elliptic") if marched is None else (marched, method)
+    names = {"jmin": "wall", "jmax": "far field"}
+    grid = StructuredGrid(given.to_space(points), names=names, periodic=(True, False, False))
+    counts = {"around": grid.cell_shape[0], "layers": grid.cell_shape[1]}
+    figures = {"first height": height, "largest growth": ratio}
+    return finished(grid, method, None, _CURE, counts, figures, warnings, part_of(progress, 0.8, 1.0))
 
 
 def _chord(loop: np.ndarray) -> tuple[float, np.ndarray]:
@@ -142,26 +166,13 @@ def _chord(loop: np.ndarray) -> tuple[float, np.ndarray]:
     return float(np.linalg.norm(other - far)), 0.5 * (far + other)
 
 
-def _wrapped(loop, chords, height, growth, layers, progress) -> tuple[np.ndarray, float]:
-    """(n + 1, layers + 1, 2) points, counter-clockwise from the wall to the circle, and the largest growth."""
+def _wrapped(loop, far, chord, height, growth, layers, progress) -> tuple[np.ndarray, float]:
+    """(n + 1, layers + 1, 2) points, counter-clockwise from the wall to the far field, and the largest growth."""
     around = Section.of(loop)
-    chord, centre = _chord(loop)
-    radius = chords * chord
-    if height >= 0.5 * radius:
-        raise InvalidInput(
-            f"is {height:.6g}, but the far field has a radius of only {radius:.6g}; make it smaller",
-            parameter="first_height",
-        )
     advance(progress, 0.1, "choosing rays")
-    if height <= np.finfo(float).eps * (radius + np.abs(loop).max()):
-        raise InvalidInput(
-            f"is {height:.6g}, which is lost in rounding beside a far field of radius {radius:.6g}; "
-            "make it larger, the radius smaller, or move the section to the origin",
-            parameter="first_height",
-        )
-    rays, bend = _best_rays(around, centre, radius, chord, height)
+    rays, bend = _best_rays(around, far, chord, height)
     advance(progress, 0.5, "interpolating")
-    reach = to_circle(around, rays, bend, centre, radius)
+    reach = to_far_field(around, rays, bend, far)
     first = at_height(around, rays, bend, height) / reach
     if layers is None:
         layers = cells_for_growth(float(first.min()), growth)
@@ -170,12 +181,11 @@ def _wrapped(loop, chords, height, growth, layers, progress) -> tuple[np.ndarray
         fractions = np.array([geometric(layers, first=f) for f in first[:-1]])
     except InvalidInput as error:
         raise InvalidInput(
-            f"{height:.6g} does not fit {layers} layers over {radius:.6g}: {error}", parameter="first_height"
+            f"{height:.6g} does not fit {layers} layers over {far.least:.6g}: {error}", parameter="first_height"
         ) from None
     fractions = np.vstack([fractions, fractions[:1]])
     points = paths(around, rays, bend, fractions * reach[:, None])
-    away = points[:, -1] - centre
-    points[:, -1] = centre + radius * away / np.linalg.norm(away, axis=1)[:, None]
+    points[:-1, -1] = far.onto(points[:-1, -1])
     points[:, 0] = around.points
     points[-1] = points[0]  # the cut, to the last bit
     steps = np.diff(fractions, axis=1)
@@ -183,9 +193,7 @@ def _wrapped(loop, chords, height, growth, layers, progress) -> tuple[np.ndarray
     return points, ratio
 
 
-def _best_rays(
-    around: Section, centre: np.ndarray, radius: float, chord: float, height: float
-) -> tuple[np.ndarray, float]:
+def _best_rays(around: Section, far: PolarCurve, chord: float, height: float) -> tuple[np.ndarray, float]:
     """Rays and bending distance of the family with the soundest corners; if none is sound, the least folded."""
     best: tuple[float, np.ndarray, float] | None = None
     for width in _WIDTHS:
@@ -193,8 +201,8 @@ def _best_rays(
             rays = ray_directions(around, width, evenness)
             uneven = len(around.turn) * float(((np.diff(rays) / (2 * np.pi)) ** 2).sum())
             for bend in _BENDS:
-                reach = to_circle(around, rays, bend * chord, centre, radius)[:, None]
-                levels = np.geomspace(min(height, 0.1 * radius) / radius, 1, 24)
+                reach = to_far_field(around, rays, bend * chord, far)[:, None]
+                levels = np.geomspace(min(height, 0.1 * far.least) / far.least, 1, 24)
                 soundness = scaled_jacobians(
                     paths(around, rays, bend * chord, np.concatenate([[0.0], levels]) * reach)[::-1]
                 )

@@ -1,4 +1,4 @@
-"""Paths from a closed section out to a far-field circle, which leave the section at right angles and never cross.
+"""Paths from a closed section out to a far field, which leave the section at right angles and never cross.
 
 A path of point w with outward normal n and ray r is the Hermite blend ``p(d) = w + d r + psi(d) (n - r)`` with
 ``psi = d b / (d + b)``: it starts along n, turns over the distance b, and goes on along r. Rays that open
@@ -15,6 +15,7 @@ import numpy as np
 from ..geometry.curves import arc_length, corners, turning
 from ..geometry.section import TRAILING
 from ..sizing.around_loop import accumulated, smoothed_turning
+from .far_field import PolarCurve
 
 
 @dataclass(frozen=True)
@@ -121,14 +122,15 @@ def paths(of: Section, rays: np.ndarray, bend: float, distance: np.ndarray) -> n
     return of.points[:, None] + d * ray + d * b / (d + b) * (normal - ray)
 
 
-def to_circle(of: Section, rays: np.ndarray, bend: float, centre: np.ndarray, radius: float) -> np.ndarray:
-    """(n + 1,) float: the parameter at which each path meets a circle that holds the section, by Newton's method."""
+def to_far_field(of: Section, rays: np.ndarray, bend: float, far: PolarCurve) -> np.ndarray:
+    """(n + 1,) float: the parameter at which each path meets a far field that holds the section, by Newton's method."""
+    radius = far.least
     d = np.full((len(rays), 1), radius)
     for _ in range(50):
-        here = np.linalg.norm(paths(of, rays, bend, d) - centre, axis=-1)
+        here = far.beyond(paths(of, rays, bend, d))
         step = 1e-6 * radius
-        slope = (np.linalg.norm(paths(of, rays, bend, d + step) - centre, axis=-1) - here) / step
-        change = (radius - here) / slope
+        slope = (far.beyond(paths(of, rays, bend, d + step)) - here) / step
+        change = -here / np.where(slope > 0.05, slope, 1.0)
         d = np.maximum(d + change, 0.01 * radius)
         if np.abs(change).max() < 1e-13 * radius:
             break

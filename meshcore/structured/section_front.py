@@ -30,18 +30,31 @@ def respaced_section(section: Section, around: int | None, leading: float | None
     """
     if around is None and leading is None and trailing is None:
         return section
-    length = arc_length(np.vstack([section.loop, section.loop[:1]]))
-    sizes = []
-    if leading is not None:
-        sizes.append((length[section.nose_index] / length[-1], leading))
-    if trailing is not None:
-        sizes.append((0.0, trailing))
-        if section.edge == "blunt":
-            sizes.append((length[section.lower] / length[-1], trailing))
-    for name, size in (("leading_spacing", leading), ("trailing_spacing", trailing)):
-        if size is not None and not 0 < size < 0.5 * section.chord:
-            raise InvalidInput(f"is {size:.6g}; the chord is {section.chord:.6g}", parameter=name)
+    lower = section.lower if section.edge == "blunt" else None
+    sizes = edge_sizes(section.loop, leading, trailing, lower)
     return Section.of(respaced_loop(section.loop, around or len(section.loop), sizes=sizes))
+
+
+def edge_sizes(
+    loop: np.ndarray, leading: float | None, trailing: float | None, lower: int | None = None
+) -> list[tuple[float, float]]:
+    """Places, as fractions of a loop that begins at its trailing edge, and sizes asked for there.
+
+    Raises
+    ------
+    InvalidInput
+        If a size is no positive number below half the chord.
+    """
+    length = arc_length(np.vstack([loop, loop[:1]]))
+    away = np.linalg.norm(loop - loop[0], axis=1)
+    nose, chord = int(np.argmax(away)), float(away.max())
+    for name, size in (("leading_spacing", leading), ("trailing_spacing", trailing)):
+        if size is not None and not 0 < size < 0.5 * chord:
+            raise InvalidInput(f"is {size:.6g}; the chord is {chord:.6g}", parameter=name)
+    sizes = [] if leading is None else [(nose, leading)]
+    if trailing is not None:
+        sizes += [(at, trailing) for at in (0, lower) if at is not None]
+    return [(float(length[at] / length[-1]), size) for at, size in sizes]
 
 
 def clockwise_front(section: Section) -> tuple[np.ndarray, int]:

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
+import numpy as np
+
 from ..errors import InvalidInput
 from ..geometry.curves import Curve
-from ..geometry.section import Section
 from ..operation import Length, Param, Port, absolute
 from .wall_units import height_for
 
-Method = Literal["transfinite", "elliptic"]
+Method = Literal["transfinite", "elliptic", "hyperbolic", "parabolic"]
 OpenFarField = Literal["C", "box"]
 
 SectionPort = Annotated[Curve, Port("One closed loop in a plane, such as an airfoil", cells=("line",))]
-RadiusParam = Annotated[float, Param("Distance of the far field from mid-chord, in chords", min=0.6, soft_max=100)]
+RadiusParam = Annotated[float, Param("Distance of the far field from mid-chord, in chords", min=1, soft_max=100)]
 MethodParam = Annotated[Method, Param("How the grid between section and far field is made")]
 FirstHeightParam = Annotated[Length, Param("Height of the cells at the section", group="Spacing")]
 YPlusParam = Annotated[
@@ -46,7 +47,13 @@ WakeGrowthParam = Annotated[
 
 
 def wall_height(
-    first_height: Length, y_plus: float | None, reynolds: float, section: Section, diagonal: float, radius: float
+    first_height: Length,
+    y_plus: float | None,
+    reynolds: float,
+    loop: np.ndarray,
+    chord: float,
+    diagonal: float,
+    radius: float,
 ) -> float:
     """The first height that is asked for, checked against the far field at ``radius``.
 
@@ -55,14 +62,14 @@ def wall_height(
     InvalidInput
         If it is too large, or lost in rounding.
     """
-    height = absolute(first_height, diagonal) if y_plus is None else height_for(y_plus, reynolds, section.chord)
+    height = absolute(first_height, diagonal) if y_plus is None else height_for(y_plus, reynolds, chord)
     name = "first_height" if y_plus is None else "y_plus"
     if height >= 0.5 * radius:
         raise InvalidInput(
             f"is {height:.6g}, but the far field has a radius of only {radius:.6g}; make it smaller", parameter=name
         )
     # Where lines stand is rounded as their coordinates are, and cells keep a thousandth of their heights.
-    lost = 1e3 * 2.3e-16 * (radius + float(abs(section.loop).max()))
+    lost = 1e3 * 2.3e-16 * (radius + float(np.abs(loop).max()))
     if height <= lost:
         raise InvalidInput(
             f"is {height:.6g}, which is lost in rounding beside a far field of radius {radius:.6g}; make it larger, "

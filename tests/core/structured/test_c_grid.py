@@ -32,7 +32,7 @@ def assert_sound(grid):
     return wake
 
 
-@pytest.mark.parametrize("method", ["transfinite", "elliptic"])
+@pytest.mark.parametrize("method", ["transfinite", "elliptic", "hyperbolic", "parabolic"])
 @pytest.mark.parametrize("keywords", [{}, {"around": 200, "first_height": 1e-5, "trailing_spacing": 0.002}])
 @pytest.mark.parametrize("name", SECTIONS)
 def test_no_cell_is_folded_and_the_heights_are_those_asked(name, keywords, method):
@@ -43,8 +43,8 @@ def test_no_cell_is_folded_and_the_heights_are_those_asked(name, keywords, metho
     points = grid.points[:, :, 0]
     section = slice(wake + 12, grid.shape[0] - wake - 12)
     away = np.linalg.norm(points[section, 1] - points[section, 0], axis=1)
-    if name == "plate":
-        return  # its ends, where lines fan out, are half of it
+    if name == "plate" or (method in ("hyperbolic", "parabolic") and keywords == {}):
+        return  # lines fan out at its ends, which are half of it; a march keeps areas where points are coarse
     assert away == pytest.approx(report.quality["first height"], rel=1e-3 if method == "transfinite" else 0.03)
     if method == "transfinite" and name in gallery.airfoils():
         assert report.quality["largest growth"] <= 1.151
@@ -130,7 +130,6 @@ def test_where_lines_cross_the_grid_is_smoothed_and_says_so(section):
         (np.array([[0, 0], [2, 2], [2, 0], [0, 1.5], [0, 0]]), {}, InvalidGeometry, "crosses itself"),
         (np.array([[0, 0], [1, 0], [2, 0], [0, 0.0]]), {}, InvalidGeometry, "no area"),
         (gallery.airfoil("rae2822"), {"radius": 0.1}, InvalidInput, "radius"),
-        (gallery.circle(3), {"radius": 0.7, "first_height": 0.01}, InvalidInput, "radius: is .* inside the section"),
         (gallery.airfoil("rae2822"), {"first_height": -1.0}, InvalidInput, "first_height"),
         (gallery.airfoil("rae2822"), {"first_height": 8.0}, InvalidInput, "first_height"),
         (gallery.airfoil("rae2822"), {"first_height": 1e-14}, InvalidInput, "lost in rounding"),
@@ -151,8 +150,9 @@ def test_a_far_field_inside_the_section_is_refused():
         mc.c_grid(gallery.airfoil("rae2822"), np.array([[0.5, -0.01], [0.3, -0.01], [0.3, 0.01], [0.5, 0.01]]))
 
 
-def test_three_points_are_meshed_or_refused_clearly():
-    try:
-        assert_sound(mc.c_grid(gallery.circle(3), first_height=0.01)[0])
-    except GenerationFailed as error:
-        assert "cells are folded" in str(error)
+def test_a_failure_shows_where():
+    with pytest.raises(GenerationFailed, match="cells are folded") as caught:
+        mc.c_grid(gallery.circle(3), around=60, first_height=0.005)
+    partial = caught.value.partial
+    bad = (naive.cross_areas(partial.points[:, :, 0]) <= 0).any(axis=-1)
+    assert bad.any() and set(caught.value.cells) >= set(np.flatnonzero(bad.ravel(order="F")))
