@@ -878,11 +878,11 @@ def vtk_type_of(content):
       <Documentation>Shape of the far field: a C, or a box with corners.</Documentation>
     </IntVectorProperty>
     <DoubleVectorProperty name="Radius" label="Radius" command="SetRadius" number_of_elements="1" default_values="10.0" panel_visibility="default">
-      <DoubleRangeDomain name="range" min="0.6" max="100"/>
+      <DoubleRangeDomain name="range" min="1" max="100"/>
       <Documentation>Distance of the far field from mid-chord, in chords.</Documentation>
     </DoubleVectorProperty>
     <IntVectorProperty name="Method" label="Method" command="SetMethod" number_of_elements="1" default_values="0" panel_visibility="default">
-      <EnumerationDomain name="enum"><Entry value="0" text="transfinite"/><Entry value="1" text="elliptic"/></EnumerationDomain>
+      <EnumerationDomain name="enum"><Entry value="0" text="transfinite"/><Entry value="1" text="elliptic"/><Entry value="2" text="hyperbolic"/><Entry value="3" text="parabolic"/></EnumerationDomain>
       <Documentation>How the grid between section and far field is made.</Documentation>
     </IntVectorProperty>
     <DoubleVectorProperty name="FirstHeight" label="First Height" command="SetFirstHeight" number_of_elements="1" default_values="-1" panel_visibility="default">
@@ -965,7 +965,7 @@ class meshcoreCGrid(Operation):
         self.set("radius", value)
 
     def SetMethod(self, value):
-        self.set("method", ('transfinite', 'elliptic')[value])
+        self.set("method", ('transfinite', 'elliptic', 'hyperbolic', 'parabolic')[value])
 
     def SetFirstHeight(self, value):
         self.set("first_height", value if value > 0 else BY_DEFAULT)
@@ -1562,9 +1562,9 @@ class meshcoreHyperbolicGrid(Operation):
 @smhint.xml('<ShowInMenu category="meshcore"/>')
 @smproperty.xml(
     """
-    <Documentation short_help="O Grid">Wrap an O-grid of quadrilaterals around a closed section, out to a
-    circle.</Documentation>
-    <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
+    <Documentation short_help="O Grid">Wrap an O-grid of quadrilaterals around a closed section, out to a circle, a
+    box or a given curve.</Documentation>
+    <InputProperty name="Input" label="Section" port_index="0" command="SetInputConnection">
       <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
       <DataTypeDomain name="input_type" composite_data_supported="0">
         <DataType value="vtkDataSet"/>
@@ -1572,14 +1572,39 @@ class meshcoreHyperbolicGrid(Operation):
       <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
       <Documentation>One closed loop in a plane, such as an airfoil.</Documentation>
     </InputProperty>
+    <InputProperty name="Outer" label="Outer" port_index="1" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>A closed far field round the section.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
+    <IntVectorProperty name="FarField" label="Far Field" command="SetFarField" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="circle"/><Entry value="1" text="box"/></EnumerationDomain>
+      <Documentation>Shape of the far field: a circle, or a box with corners.</Documentation>
+    </IntVectorProperty>
     <DoubleVectorProperty name="Radius" label="Radius" command="SetRadius" number_of_elements="1" default_values="10.0" panel_visibility="default">
       <DoubleRangeDomain name="range" min="1" max="100"/>
-      <Documentation>Radius of the far field, in chords.</Documentation>
+      <Documentation>Distance of the far field from mid-chord, in chords.</Documentation>
     </DoubleVectorProperty>
+    <IntVectorProperty name="Method" label="Method" command="SetMethod" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="transfinite"/><Entry value="1" text="elliptic"/><Entry value="2" text="hyperbolic"/><Entry value="3" text="parabolic"/></EnumerationDomain>
+      <Documentation>How the grid between section and far field is made.</Documentation>
+    </IntVectorProperty>
     <DoubleVectorProperty name="FirstHeight" label="First Height" command="SetFirstHeight" number_of_elements="1" default_values="-1" panel_visibility="default">
       <BoundsDomain name="range" mode="scaled_extent" scale_factor="0.001"><RequiredProperties><Property name="Input" function="Input"/></RequiredProperties></BoundsDomain>
       <Documentation>Height of the cells at the section; -1 takes 0.1% of the diagonal of the input's bounding
       box.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="YPlus" label="Y Plus" command="SetYPlus" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>y+ of the first points, which then sets the first height; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="Reynolds" label="Reynolds" command="SetReynolds" number_of_elements="1" default_values="1000000.0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="1"/>
+      <Documentation>Reynolds number of the chord, for y+.</Documentation>
     </DoubleVectorProperty>
     <DoubleVectorProperty name="Growth" label="Growth" command="SetGrowth" number_of_elements="1" default_values="1.15" panel_visibility="default">
       <DoubleRangeDomain name="range" min="1.001" max="3"/>
@@ -1593,18 +1618,33 @@ class meshcoreHyperbolicGrid(Operation):
       <IntRangeDomain name="range" min="0" max="1000"/>
       <Documentation>Cells around the section; by default its own points; 0 leaves it out.</Documentation>
     </IntVectorProperty>
+    <DoubleVectorProperty name="LeadingSpacing" label="Leading Spacing" command="SetLeadingSpacing" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Size of the cells at the nose; by default as the section bends; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="TrailingSpacing" label="Trailing Spacing" command="SetTrailingSpacing" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Size of the cells at the trailing edge; by default as the section bends; 0 leaves it
+      out.</Documentation>
+    </DoubleVectorProperty>
     <IntVectorProperty name="Cut" label="Cut" command="SetCut" number_of_elements="1" default_values="-1" panel_visibility="advanced">
       <IntRangeDomain name="range" min="-1"/>
       <Documentation>Point of the section where the grid is cut; -1 finds the sharpest.</Documentation>
     </IntVectorProperty>
     <PropertyGroup label="Parameters">
+      <Property name="FarField"/>
       <Property name="Radius"/>
+      <Property name="Method"/>
       <Property name="Layers"/>
       <Property name="Around"/>
     </PropertyGroup>
     <PropertyGroup label="Spacing">
       <Property name="FirstHeight"/>
+      <Property name="YPlus"/>
+      <Property name="Reynolds"/>
       <Property name="Growth"/>
+      <Property name="LeadingSpacing"/>
+      <Property name="TrailingSpacing"/>
     </PropertyGroup>
     <PropertyGroup label="Advanced">
       <Property name="Cut"/>
@@ -1614,14 +1654,26 @@ class meshcoreHyperbolicGrid(Operation):
 class meshcoreOGrid(Operation):
     operation = "o_grid"
     label = "meshcore O Grid"
-    ports = (("section", "curve", False),)
+    ports = (("section", "curve", False), ("outer", "curve", True))
     output = "vtkStructuredGrid"
+
+    def SetFarField(self, value):
+        self.set("far_field", ('circle', 'box')[value])
 
     def SetRadius(self, value):
         self.set("radius", value)
 
+    def SetMethod(self, value):
+        self.set("method", ('transfinite', 'elliptic', 'hyperbolic', 'parabolic')[value])
+
     def SetFirstHeight(self, value):
         self.set("first_height", value if value > 0 else BY_DEFAULT)
+
+    def SetYPlus(self, value):
+        self.set("y_plus", value or None)
+
+    def SetReynolds(self, value):
+        self.set("reynolds", value)
 
     def SetGrowth(self, value):
         self.set("growth", value)
@@ -1631,6 +1683,12 @@ class meshcoreOGrid(Operation):
 
     def SetAround(self, value):
         self.set("around", value or None)
+
+    def SetLeadingSpacing(self, value):
+        self.set("leading_spacing", value or None)
+
+    def SetTrailingSpacing(self, value):
+        self.set("trailing_spacing", value or None)
 
     def SetCut(self, value):
         self.set("cut", value)
