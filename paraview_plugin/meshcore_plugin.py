@@ -1241,6 +1241,47 @@ class meshcoreEllipticGrid(Operation):
       <Documentation>Whether the boundary's spacing is carried inside, or lines spread evenly
       (Laplace).</Documentation>
     </IntVectorProperty>
+    <IntVectorProperty name="CellsI" label="Cells I" command="SetCellsI" number_of_elements="1" default_values="0" panel_visibility="default">
+      <IntRangeDomain name="range" min="0" max="200"/>
+      <Documentation>Cells along i; by default as points are given; 0 leaves it out.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="CellsJ" label="Cells J" command="SetCellsJ" number_of_elements="1" default_values="0" panel_visibility="default">
+      <IntRangeDomain name="range" min="0" max="200"/>
+      <Documentation>Cells along j; by default as points are given; 0 leaves it out.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="CellsK" label="Cells K" command="SetCellsK" number_of_elements="1" default_values="0" panel_visibility="default">
+      <IntRangeDomain name="range" min="0" max="200"/>
+      <Documentation>Cells along k; by default as points are given; 0 leaves it out.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="Edges" label="Edges" command="SetEdges" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="kept"/><Entry value="1" text="uniform"/><Entry value="2" text="geometric"/><Entry value="3" text="hyperbolic tangent"/><Entry value="4" text="hyperbolic sine"/><Entry value="5" text="cosine"/><Entry value="6" text="curvature"/><Entry value="7" text="poisson"/></EnumerationDomain>
+      <Documentation>Points of the twelve edges: kept, or gridded anew by a law, as by the 1D Poisson
+      equation.</Documentation>
+    </IntVectorProperty>
+    <DoubleVectorProperty name="SpacingImin" label="Spacing Imin" command="SetSpacingImin" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Height of the cells at imin; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="SpacingImax" label="Spacing Imax" command="SetSpacingImax" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Height of the cells at imax; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="SpacingJmin" label="Spacing Jmin" command="SetSpacingJmin" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Height of the cells at jmin; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="SpacingJmax" label="Spacing Jmax" command="SetSpacingJmax" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Height of the cells at jmax; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="SpacingKmin" label="Spacing Kmin" command="SetSpacingKmin" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Height of the cells at kmin; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="SpacingKmax" label="Spacing Kmax" command="SetSpacingKmax" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Height of the cells at kmax; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
     <IntVectorProperty name="Faces" label="Faces" command="SetFaces" number_of_elements="1" default_values="0" panel_visibility="default">
       <EnumerationDomain name="enum"><Entry value="0" text="kept"/><Entry value="1" text="smoothed"/><Entry value="2" text="respaced"/></EnumerationDomain>
       <Documentation>Points of the six faces: kept, smoothed on their surfaces, or respaced to begin with the first
@@ -1274,8 +1315,20 @@ class meshcoreEllipticGrid(Operation):
     </IntVectorProperty>
     <PropertyGroup label="Parameters">
       <Property name="Control"/>
+      <Property name="CellsI"/>
+      <Property name="CellsJ"/>
+      <Property name="CellsK"/>
+      <Property name="Edges"/>
       <Property name="Faces"/>
       <Property name="Walls"/>
+    </PropertyGroup>
+    <PropertyGroup label="Spacing">
+      <Property name="SpacingImin"/>
+      <Property name="SpacingImax"/>
+      <Property name="SpacingJmin"/>
+      <Property name="SpacingJmax"/>
+      <Property name="SpacingKmin"/>
+      <Property name="SpacingKmax"/>
     </PropertyGroup>
     <PropertyGroup label="Walls">
       <Property name="FirstHeight"/>
@@ -1296,6 +1349,36 @@ class meshcoreEllipticVolume(Operation):
 
     def SetControl(self, value):
         self.set("control", ('none', 'boundary spacing')[value])
+
+    def SetCellsI(self, value):
+        self.set("cells_i", value or None)
+
+    def SetCellsJ(self, value):
+        self.set("cells_j", value or None)
+
+    def SetCellsK(self, value):
+        self.set("cells_k", value or None)
+
+    def SetEdges(self, value):
+        self.set("edges", ('kept', 'uniform', 'geometric', 'hyperbolic tangent', 'hyperbolic sine', 'cosine', 'curvature', 'poisson')[value])
+
+    def SetSpacingImin(self, value):
+        self.set("spacing_imin", value or None)
+
+    def SetSpacingImax(self, value):
+        self.set("spacing_imax", value or None)
+
+    def SetSpacingJmin(self, value):
+        self.set("spacing_jmin", value or None)
+
+    def SetSpacingJmax(self, value):
+        self.set("spacing_jmax", value or None)
+
+    def SetSpacingKmin(self, value):
+        self.set("spacing_kmin", value or None)
+
+    def SetSpacingKmax(self, value):
+        self.set("spacing_kmax", value or None)
 
     def SetFaces(self, value):
         self.set("faces", ('kept', 'smoothed', 'respaced')[value])

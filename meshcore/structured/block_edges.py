@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import combinations, product
 
 import numpy as np
@@ -94,12 +94,15 @@ class Asked:
         By the user's name of a face, the size of the cells that touch it.
     diagonal : float
         What relative lengths are relative to.
+    spacings : dict of str to Spacing
+        By axis ("i", "j" or "k"), a spacing of its edges in place of law and ends.
     """
 
     cells: tuple[int | None, int | None, int | None]
     law: str
     ends: Mapping[str, Length | None]
     diagonal: float
+    spacings: Mapping[str, Spacing] = field(default_factory=dict)
 
     def check_size(self, edges: Edges) -> None:
         """Refuse what would fill the memory."""
@@ -112,10 +115,9 @@ class Asked:
         found, changed = {}, False
         for axis in range(3):
             places = end(axis, 0), end(axis, 1)
-            first, last = (self.ends[names[place]] for place in places)
             keys = [key for key in edges if key[0] == axis]
             count = self.cells[axis] or max(len(edges[key]) for key in keys) - 1
-            spacing = self._spacing(first, last, [names[place] for place in places])
+            spacing = self.along(axis, [names[place] for place in places])
             for key in keys:
                 line = edges[key]
                 keeps = spacing is None and len(line) == count + 1
@@ -125,10 +127,14 @@ class Asked:
                 elif spacing is None:
                     found[key] = copied(count, line)
                 else:
-                    found[key] = self._spaced(spacing, count, line, [names[place] for place in places])
+                    found[key] = self.spaced(spacing, count, line, [names[place] for place in places])
         return found if changed else None
 
-    def _spacing(self, first: Length | None, last: Length | None, names: list[str]) -> Spacing | None:
+    def along(self, axis: int, names: Sequence[str]) -> Spacing | None:
+        """The spacing of the edges along an axis, whose ends have these names; None if they keep theirs."""
+        if AXES[axis] in self.spacings:
+            return self.spacings[AXES[axis]]
+        first, last = (self.ends[name] for name in names)
         if self.law == "as given" and first is None and last is None:
             return None
         try:
@@ -137,11 +143,12 @@ class Asked:
             name = names[error.parameter == "last"]
             raise InvalidInput(str(error).partition(": ")[2], parameter=f"spacing_{name}") from None
 
-    def _spaced(self, spacing: Spacing, count: int, line: np.ndarray, names: list[str]) -> np.ndarray:
+    def spaced(self, spacing: Spacing, count: int, line: np.ndarray, names: Sequence[str]) -> np.ndarray:
+        """Fractions of an edge's length at which its points are to be."""
         try:
             return spacing.fractions(count, line, diagonal=self.diagonal)
         except InvalidInput as error:
-            if error.parameter not in ("first", "last"):
+            if error.parameter not in ("first", "last") or any(spacing is own for own in self.spacings.values()):
                 raise
             size = absolute(getattr(spacing, error.parameter), self.diagonal)
             raise InvalidInput(

@@ -1,9 +1,9 @@
-"""Elliptic grids of blocks: edges as given, then faces, then the volume (survey 2.6)."""
+"""Elliptic grids of blocks: edges, then faces, then the volume (survey 2.6)."""
 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Literal, Union
 
 import numpy as np
@@ -14,10 +14,25 @@ from ..operation import Param, Port, operation
 from ..progress import Progress, advance, part_of, silent
 from ..quality import measure, summary, validate
 from ..report import Report, Result
+from ..sizing import Spacing
 from ..threads import checked_threads
 from . import winslow_3d, winslow_surface
 from .block_corners import refuse_corners
+from .block_edges import Asked
+from .block_faces import AXES, PLACES
+from .block_parameters import (
+    BlockCellsIParam,
+    BlockCellsJParam,
+    BlockCellsKParam,
+    SpacingIMaxParam,
+    SpacingIMinParam,
+    SpacingJMaxParam,
+    SpacingJMinParam,
+    SpacingKMaxParam,
+    SpacingKMinParam,
+)
 from .block_problem import AskedOfBlock
+from .block_regridding import asked_of_edges, regridded
 from .block_unfolding import sound
 from .control_functions import ControlFunction, from_boundary, from_user
 from .elliptic_parameters import (
@@ -36,6 +51,7 @@ from .wall_control import Wall
 from .wall_faces import mismatch, respaced
 
 Control = Literal["none", "boundary spacing"]
+Law = Literal["kept", "uniform", "geometric", "hyperbolic tangent", "hyperbolic sine", "cosine", "curvature", "poisson"]
 _MISMATCH = 1.5  # between first heights at walls and on the faces around them, from which it is told
 _FACES = {"kept": 0.01, "smoothed": 0.2, "respaced": 0.02}  # and what part of the time they take
 
@@ -50,6 +66,18 @@ def elliptic_volume(
     control: Annotated[
         Control, Param("Whether the boundary's spacing is carried inside, or lines spread evenly (Laplace)")
     ] = "boundary spacing",
+    cells_i: BlockCellsIParam = None,
+    cells_j: BlockCellsJParam = None,
+    cells_k: BlockCellsKParam = None,
+    edges: Annotated[
+        Law, Param("Points of the twelve edges: kept, or gridded anew by a law, as by the 1D Poisson equation")
+    ] = "kept",
+    spacing_imin: SpacingIMinParam = None,
+    spacing_imax: SpacingIMaxParam = None,
+    spacing_jmin: SpacingJMinParam = None,
+    spacing_jmax: SpacingJMaxParam = None,
+    spacing_kmin: SpacingKMinParam = None,
+    spacing_kmax: SpacingKMaxParam = None,
     faces: Annotated[
         Literal["kept", "smoothed", "respaced"],
         Param("Points of the six faces: kept, smoothed on their surfaces, or respaced to begin with the first heights"),
@@ -61,6 +89,7 @@ def elliptic_volume(
     residual: ResidualParam = None,
     max_cycles: MaxCyclesParam = 60,
     each_wall: Sequence[Wall] = (),
+    spacings: Mapping[str, Spacing] | None = None,
     control_functions: Sequence[ControlFunction] | None = None,
     threads: int | None = None,
     progress: Progress = silent,
@@ -68,7 +97,8 @@ def elliptic_volume(
     """Fill a block with a smooth grid by the elliptic equations, or smooth the grid that it has.
 
     The coordinates i, j, k of the grid are harmonic functions in the block (with control, they solve Poisson's
-    equation): corners and waves of the boundary fade away inside. The boundary's points are kept to the last bit.
+    equation): corners and waves of the boundary fade away inside. The boundary's points are kept to the last bit,
+    unless edges and faces are asked to be gridded anew, in the order edges, faces, volume.
 
     Parameters
     ----------
@@ -79,7 +109,14 @@ def elliptic_volume(
     control : {"none", "boundary spacing"}
         "boundary spacing" carries the spacing on the faces inside, as cells along walls need. Where that would fold
         cells it is weakened, and the report says so.
-    faces : {"kept", "smoothed"}
+    cells_i, cells_j, cells_k : int, optional
+        Cells along i, j and k, if they are to be others than are given: edges, and then faces, get new points.
+    edges : {"kept", "uniform", "geometric", "hyperbolic tangent", "hyperbolic sine", "cosine", "curvature", "poisson"}
+        Law of `Spacing` by which all edges are gridded anew; "poisson" is the one-dimensional Poisson equation. Points
+        move along the cubic splines through an edge's points, those of faces on the bicubic surfaces through theirs.
+    spacing_imin, spacing_imax, spacing_jmin, spacing_jmax, spacing_kmin, spacing_kmax : Length, optional
+        Size of the cells that touch that face, measured along the four edges that end there, for laws that take it.
+    faces : {"kept", "smoothed", "respaced"}
         "smoothed" first makes elliptic grids on the bicubic surfaces through the faces' points; edges stay. "respaced"
         moves points on the faces around walls, and on edges, along their lines, so that these begin with the first
         height that the wall asks.
@@ -103,6 +140,8 @@ def elliptic_volume(
         Multigrid cycles after which to give up; the report says so.
     each_wall : sequence of Wall
         Walls one by one, each with heights and angles of its own, in place of ``walls``.
+    spacings : dict of str to Spacing, optional
+        By axis ("i", "j" or "k"), the spacing of its four edges, in place of ``edges``. From Python only.
     control_functions : P, Q and R, optional
         More control functions: each a number, an (ni, nj, nk) array, or a function of arrays of the indices i, j, k,
         between -2 and 2. They act as in ``g^11 (r_ii + P r_i)``, with the indices as coordinates.
@@ -148,6 +187,9 @@ def elliptic_volume(
     (StructuredGrid(9 x 9 x 9 points), True)
     """
     start, warnings = _as_block(block)
+    heights = (spacing_imin, spacing_imax, spacing_jmin, spacing_jmax, spacing_kmin, spacing_kmax)
+    ends = dict(zip(PLACES, heights, strict=True))
+    start = _regridded(start, asked_of_edges(edges, (cells_i, cells_j, cells_k), ends, spacings, start.diagonal))
     if each_wall and walls != "none":
         raise InvalidInput("is given beside walls; give only one of them", parameter="each_wall")
     asked = AskedOfBlock(
@@ -204,6 +246,18 @@ def _as_block(block: Mesh | StructuredGrid) -> tuple[StructuredGrid, list[str]]:
     if not winslow_3d.is_left_handed(block.points):
         return block, []
     return block.reversed_along_i(), ["the block was left-handed; its i is reversed: imin and imax have changed places"]
+
+
+def _regridded(grid: StructuredGrid, asked: Asked | None) -> StructuredGrid:
+    """The block with new points on its edges, its faces, and inside."""
+    if asked is None:
+        return grid
+    counts = [(n or m) + 1 for n, m in zip(asked.cells, grid.cell_shape, strict=True)]
+    check_size(*counts, parameter=f"cells_{AXES[int(np.argmax(counts))]}")
+    points = regridded(grid.points, asked)
+    if points.shape[:3] == grid.shape:
+        return grid.with_points(points)
+    return StructuredGrid(points, names=grid.names, periodic=grid.periodic)
 
 
 def _filled(points: np.ndarray) -> np.ndarray:

@@ -22,6 +22,17 @@ from . import _transfinite_kernels as kernels
 from .blending import NEAR, Blending, Direction, boolean_sum
 from .block_edges import Asked, arranged, refuse_unequal, spanned
 from .block_faces import AXES, PLACES, BlockFaces, across, end
+from .block_parameters import (
+    BlockCellsIParam,
+    BlockCellsJParam,
+    BlockCellsKParam,
+    SpacingIMaxParam,
+    SpacingIMinParam,
+    SpacingJMaxParam,
+    SpacingJMinParam,
+    SpacingKMaxParam,
+    SpacingKMinParam,
+)
 from .limits import check_extent
 from .quad_nets import cage_of, patch_of
 from .sides import fractions_of
@@ -49,15 +60,15 @@ def transfinite_volume(
     kmin: Annotated[Union[Face, None], Port(f"Face at the start of k: {_FACE}", cells=("quad",))] = None,
     kmax: Annotated[Union[Face, None], Port(f"Face at the end of k: {_FACE}", cells=("quad",))] = None,
     *,
-    cells_i: Annotated[int | None, Param("Cells along i; by default as points are given", min=1, soft_max=200)] = None,
-    cells_j: Annotated[int | None, Param("Cells along j; by default as points are given", min=1, soft_max=200)] = None,
-    cells_k: Annotated[int | None, Param("Cells along k; by default as points are given", min=1, soft_max=200)] = None,
-    spacing_imin: Annotated[Length | None, Param("Height of the cells at imin", group="Spacing")] = None,
-    spacing_imax: Annotated[Length | None, Param("Height of the cells at imax", group="Spacing")] = None,
-    spacing_jmin: Annotated[Length | None, Param("Height of the cells at jmin", group="Spacing")] = None,
-    spacing_jmax: Annotated[Length | None, Param("Height of the cells at jmax", group="Spacing")] = None,
-    spacing_kmin: Annotated[Length | None, Param("Height of the cells at kmin", group="Spacing")] = None,
-    spacing_kmax: Annotated[Length | None, Param("Height of the cells at kmax", group="Spacing")] = None,
+    cells_i: BlockCellsIParam = None,
+    cells_j: BlockCellsJParam = None,
+    cells_k: BlockCellsKParam = None,
+    spacing_imin: SpacingIMinParam = None,
+    spacing_imax: SpacingIMaxParam = None,
+    spacing_jmin: SpacingJMinParam = None,
+    spacing_jmax: SpacingJMaxParam = None,
+    spacing_kmin: SpacingKMinParam = None,
+    spacing_kmax: SpacingKMaxParam = None,
     law: Annotated[Law, Param("How points stand along the edges", group="Spacing")] = "as given",
     blending: Annotated[
         Blending,
