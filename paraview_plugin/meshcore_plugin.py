@@ -1304,6 +1304,11 @@ class meshcoreEllipticGrid(Operation):
       <BooleanDomain name="bool"/>
       <Documentation>Whether lines lean near the edges of walls as those on the faces beside them do.</Documentation>
     </IntVectorProperty>
+    <IntVectorProperty name="Periodic" label="Periodic" command="SetPeriodic" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="none"/><Entry value="1" text="i"/><Entry value="2" text="j"/><Entry value="3" text="k"/><Entry value="4" text="i and j"/><Entry value="5" text="i and k"/><Entry value="6" text="j and k"/></EnumerationDomain>
+      <Documentation>Directions in which the last face is the first, moved or turned, and the grid runs on through
+      both.</Documentation>
+    </IntVectorProperty>
     <DoubleVectorProperty name="Residual" label="Residual" command="SetResidual" number_of_elements="1" default_values="0" panel_visibility="advanced">
       <DoubleRangeDomain name="range" min="0" max="1"/>
       <Documentation>Residual to reach, of the start's; by default near to the converged grid; 0 leaves it
@@ -1321,6 +1326,7 @@ class meshcoreEllipticGrid(Operation):
       <Property name="Edges"/>
       <Property name="Faces"/>
       <Property name="Walls"/>
+      <Property name="Periodic"/>
     </PropertyGroup>
     <PropertyGroup label="Spacing">
       <Property name="SpacingImin"/>
@@ -1394,6 +1400,9 @@ class meshcoreEllipticVolume(Operation):
 
     def SetLeanAtEdges(self, value):
         self.set("lean_at_edges", bool(value))
+
+    def SetPeriodic(self, value):
+        self.set("periodic", ('none', 'i', 'j', 'k', 'i and j', 'i and k', 'j and k')[value])
 
     def SetResidual(self, value):
         self.set("residual", value or None)

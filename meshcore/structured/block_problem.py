@@ -15,6 +15,7 @@ from . import winslow_3d
 from .block_faces import across
 from .elliptic_problem import Found
 from .face_measures import axis_of
+from .periodic_faces import Pair, averaged_at_cuts
 from .wall_control import Wall
 from .wall_control_3d import LEAST_CELLS, controlled
 
@@ -27,6 +28,8 @@ class AskedOfBlock:
     ----------
     walls : sequence of Wall
         What is asked at faces.
+    pairs : sequence of Pair
+        Faces through which the grid runs on.
     residual : float or None
         Residual to reach.
     most_cycles : int
@@ -36,6 +39,7 @@ class AskedOfBlock:
     """
 
     walls: Sequence[Wall] = ()
+    pairs: Sequence[Pair] = ()
     residual: float | None = None
     most_cycles: int = 60
     threads: int | None = None
@@ -56,6 +60,8 @@ class AskedOfBlock:
                 )
             if names.count(wall.side) > 1:
                 raise InvalidInput(f"{wall.side} is named twice; give one wall for each face", parameter="walls")
+            if axis_of(wall.side) in [pair.axis for pair in self.pairs]:
+                raise InvalidInput(f"{wall.side} is where the block runs on, not a wall", parameter="walls")
             _check_wall(points, wall)
 
 
@@ -94,6 +100,8 @@ def solved(points: np.ndarray, growth: np.ndarray | None, asked: AskedOfBlock, p
     progress : Progress
         Called with fraction and message.
     """
+    if growth is not None:
+        growth = averaged_at_cuts(growth, asked.pairs)
     if asked.walls and min(points.shape[:3]) >= 3:
         return _with_walls(points, growth, asked, progress)
     smooth, outcome = winslow_3d.solved(
@@ -101,6 +109,7 @@ def solved(points: np.ndarray, growth: np.ndarray | None, asked: AskedOfBlock, p
         growth=growth,
         tolerance=asked.residual,
         most=asked.most_cycles,
+        pairs=asked.pairs,
         threads=asked.threads,
         progress=progress,
     )
@@ -115,15 +124,14 @@ def solved(points: np.ndarray, growth: np.ndarray | None, asked: AskedOfBlock, p
 
 
 def _with_walls(points: np.ndarray, growth: np.ndarray | None, asked: AskedOfBlock, progress: Progress) -> Found:
-    flat = points.reshape(-1, 3)
-    centre, size = flat.mean(axis=0), float(np.ptp(flat, axis=0).max()) or 1.0
-    walls = [wall.scaled(1 / size) for wall in asked.walls]
+    frame = winslow_3d.BlockFrame.of(points)
+    walls = [wall.scaled(1 / frame.size) for wall in asked.walls]
     if growth is None:
         growth = np.zeros((3, *points.shape[:3]))
     with Workers(asked.threads or available_threads()) as workers:
-        levels = winslow_3d.levels_of((points - centre) / size, growth, workers, least=LEAST_CELLS)
+        levels = winslow_3d.levels_of(
+            frame.inside(points), growth, workers, pairs=frame.pairs(asked.pairs), least=LEAST_CELLS
+        )
         went = controlled(levels, walls, growth, progress=progress)
-    new = points.copy()
-    inner = (slice(1, -1),) * 3
-    new[inner] = centre + size * np.moveaxis(levels[0].x, 0, -1)[inner]
+    new = frame.outside(levels[0].nodes, points, asked.pairs)
     return Found(new, went.history, went.converged, went.warnings, went.quality)

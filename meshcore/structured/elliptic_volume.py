@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Annotated, Literal, Union
 
 import numpy as np
@@ -19,7 +20,7 @@ from ..threads import checked_threads
 from . import winslow_3d, winslow_surface
 from .block_corners import refuse_corners
 from .block_edges import Asked
-from .block_faces import AXES, PLACES
+from .block_faces import AXES, PLACES, end
 from .block_parameters import (
     BlockCellsIParam,
     BlockCellsJParam,
@@ -45,6 +46,7 @@ from .elliptic_parameters import (
     asked_faces,
 )
 from .limits import check_extent, check_size
+from .periodic_faces import Pair, asked_axes, pairs_of
 from .quad_nets import cage_of
 from .transfinite_volume import interpolated_volume
 from .wall_control import Wall
@@ -86,6 +88,10 @@ def elliptic_volume(
     first_height: FirstHeightParam = None,
     wall_angle: WallAngleParam = 90.0,
     lean_at_edges: LeanAtEdgesParam = False,
+    periodic: Annotated[
+        Literal["none", "i", "j", "k", "i and j", "i and k", "j and k"],
+        Param("Directions in which the last face is the first, moved or turned, and the grid runs on through both"),
+    ] = "none",
     residual: ResidualParam = None,
     max_cycles: MaxCyclesParam = 60,
     each_wall: Sequence[Wall] = (),
@@ -133,6 +139,10 @@ def elliptic_volume(
         Whether lines near the edges of a wall lean as those on the faces beside it do, as far as about a quarter of
         the wall's width; otherwise they are to turn within three cells, which they cannot where faces meet at acute
         angles.
+    periodic : {"none", "i", "j", "k", "i and j", "i and k", "j and k"}
+        Directions in which the last face is the first, moved or turned about some axis, as between the blades of a row:
+        the grid runs on through both, whose points are free and stay alike; those on their edges stay. Where both faces
+        coincide, as in O-type blocks, that is so by itself.
     residual : float, optional
         Residual to reach in units of the start's. Left out, cycles go on until each node is within about a thousandth
         of the local spacing from its converged place. Control at walls stops by angle and height instead.
@@ -192,9 +202,19 @@ def elliptic_volume(
     start = _regridded(start, asked_of_edges(edges, (cells_i, cells_j, cells_k), ends, spacings, start.diagonal))
     if each_wall and walls != "none":
         raise InvalidInput("is given beside walls; give only one of them", parameter="each_wall")
+    pairs = pairs_of(start.points, asked_axes(periodic), start.periodic)
+    start = _closed(start, pairs)
     asked = AskedOfBlock(
-        walls=asked_faces(walls, first_height, wall_angle, lean_at_edges=lean_at_edges, diagonal=start.diagonal)
+        walls=asked_faces(
+            walls,
+            first_height,
+            wall_angle,
+            lean_at_edges=lean_at_edges,
+            diagonal=start.diagonal,
+            cuts=[end(pair.axis, side) for pair in pairs for side in (0, 1)],
+        )
         or each_wall,
+        pairs=pairs,
         residual=residual,
         most_cycles=max_cycles,
         threads=checked_threads(threads),
@@ -204,12 +224,13 @@ def elliptic_volume(
     part = _FACES[faces]
     points = start.points
     if faces == "smoothed":
-        points = _with_smooth_faces(points, control, max_cycles, part_of(progress, 0.01, part))
+        points = _with_smooth_faces(points, control, pairs, max_cycles, part_of(progress, 0.01, part))
     if faces == "respaced":
         points = _filled(respaced(points, asked.walls))
     filled = _filled(points)
     growth = _growth(filled, control, control_functions)
-    refuse_corners(start.with_points(filled), free=[wall.side for wall in asked.walls if wall.slides])
+    cuts = [end(pair.axis, side) for pair in pairs for side in (0, 1)]
+    refuse_corners(start.with_points(filled), free=[*cuts, *(wall.side for wall in asked.walls if wall.slides)])
     found = sound(points, filled, growth, asked, part_of(progress, part, 1.0))
     if not found.converged and (factor := mismatch(found.points, asked.walls)) > _MISMATCH:
         warnings.append(
@@ -276,12 +297,26 @@ def _growth(points: np.ndarray, control: Control, functions: Sequence[ControlFun
     return sum(parts) if parts else None
 
 
-def _with_smooth_faces(points: np.ndarray, control: Control, max_cycles: int, progress: Progress) -> np.ndarray:
+def _closed(grid: StructuredGrid, pairs: Sequence[Pair]) -> StructuredGrid:
+    """The grid, periodic where both faces of a pair coincide: not every file can say so."""
+    points, periodic = grid.points.copy(), list(grid.periodic)
+    for pair in pairs:
+        if pair.motion.is_none:
+            periodic[pair.axis] = True
+            np.moveaxis(points, pair.axis, 0)[-1] = np.moveaxis(points, pair.axis, 0)[0]
+    return replace(grid, points=points, periodic=tuple(periodic))
+
+
+def _with_smooth_faces(
+    points: np.ndarray, control: Control, pairs: Sequence[Pair], max_cycles: int, progress: Progress
+) -> np.ndarray:
     """The block with each face a grid that is harmonic on the bicubic surface through its points, filled anew."""
     points = points.copy()
     for number in range(6):
-        axis, end = divmod(number, 2)
-        face = np.moveaxis(points, axis, 0)[-end]
+        axis, side = divmod(number, 2)
+        if axis in [pair.axis for pair in pairs]:  # its points are free
+            continue
+        face = np.moveaxis(points, axis, 0)[-side]
         step = part_of(progress, number / 6, (number + 1) / 6)
         # A face may be a line or a point, as on the axis of a wedge.
         with contextlib.suppress(InvalidGeometry):

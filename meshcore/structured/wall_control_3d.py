@@ -99,7 +99,6 @@ def controlled(
     walls: Sequence[Wall],
     growth: np.ndarray,
     *,
-    closed: Closed = (False, False, False),
     sign: float = 1.0,
     most_steps: int = MOST_STEPS,
     angle_within: float = ANGLE_WITHIN,
@@ -116,8 +115,8 @@ def controlled(
         What is asked at faces, in the lengths of the levels.
     growth : (3, ni, nj, nk) float
         Logarithms of growth from cell to cell.
-    closed, sign
-        As for `face_measures.measured`.
+    sign : float
+        1 if the block is right-handed, else -1.
     most_steps : int
         Steps after which to give up; each is a cycle.
     angle_within, height_within : float
@@ -130,7 +129,7 @@ def controlled(
     scale = finest.residual() or 1.0
     set_growth(levels, growth)
     full_multigrid(levels, first_level(levels, FIRST_CELLS), outcome)
-    inner = tuple(slice(None, n) for n in growth.shape[1:])
+    closed = finest.ghosts.closed
     faces = [wall.side for wall in walls]
     start = [measured(finest.x, face, sign, closed) for face in faces]
     controls = [
@@ -152,7 +151,7 @@ def controlled(
         theta = growth.copy()
         for control, have in zip(controls, found, strict=True):
             control.step(have, first=step == 0)
-            control.add(theta, finest.x[(slice(None), *inner)], have)
+            control.add(theta, finest.nodes, have)
         set_growth(levels, limited(theta))
         _safe_cycle(levels, outcome)
         history.append(finest.residual() / scale)

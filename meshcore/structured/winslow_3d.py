@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -11,6 +12,7 @@ from ..progress import Progress, silent
 from ..threads import Workers, available_threads
 from . import _winslow_3d_kernels as kernels
 from .multigrid import Level, Outcome, first_level, solve
+from .periodic_faces import Ghosts, Pair
 from .transfer import LEAST_CELLS, NUMBERS_A_THREAD, Transfer, coarsened, coarser, growth_on_coarse
 
 WEAK = 0.3
@@ -26,6 +28,7 @@ def solved(
     growth: np.ndarray | None = None,
     tolerance: float | None = None,
     most: int = 50,
+    pairs: Sequence[Pair] = (),
     threads: int | None = None,
     progress: Progress = silent,
 ) -> tuple[np.ndarray, Outcome]:
@@ -44,6 +47,8 @@ def solved(
         of the converged one.
     most : int
         Cycles that are done at most.
+    pairs : sequence of Pair
+        Faces through which the grid runs on; their points are free, but for those on other faces.
     threads : int, optional
         By default as many as there are cores; the grid does not depend on it.
     progress : Progress, optional
@@ -66,10 +71,9 @@ def solved(
     """
     if min(points.shape[:3]) < 3:
         return points.copy(), Outcome([0.0], True, 0.0)
-    centre, size = points.reshape(-1, 3).mean(axis=0), float(np.ptp(points.reshape(-1, 3), axis=0).max())
-    size = size or 1.0
+    frame = BlockFrame.of(points)
     with Workers(threads or available_threads()) as workers:
-        levels = levels_of((points - centre) / size, growth, workers)
+        levels = levels_of(frame.inside(points), growth, workers, pairs=frame.pairs(pairs))
         outcome = solve(
             levels,
             first=first_level(levels, FIRST_CELLS),
@@ -78,10 +82,57 @@ def solved(
             workers=workers,
             progress=progress,
         )
-    new = points.copy()
-    inner = (slice(1, -1),) * 3
-    new[inner] = centre + size * np.moveaxis(levels[0].x, 0, -1)[inner]
-    return new, outcome
+    return frame.outside(levels[0].nodes, points, pairs), outcome
+
+
+@dataclass(frozen=True)
+class BlockFrame:
+    """The coordinates that are worked in: near 1, as (3, ni, nj, nk).
+
+    Parameters
+    ----------
+    centre : (3,) float
+        What is the origin there.
+    size : float
+        What is 1 there.
+    """
+
+    centre: np.ndarray
+    size: float
+
+    @classmethod
+    def of(cls, points: np.ndarray) -> BlockFrame:
+        """The frame that suits a block."""
+        flat = points.reshape(-1, 3)
+        return cls(flat.mean(axis=0), float(np.ptp(flat, axis=0).max()) or 1.0)
+
+    def inside(self, points: np.ndarray) -> np.ndarray:
+        """(3, ni, nj, nk) from (ni, nj, nk, 3)."""
+        return np.ascontiguousarray(np.moveaxis((points - self.centre) / self.size, -1, 0))
+
+    def pairs(self, pairs: Sequence[Pair]) -> list[Pair]:
+        """Faces that are alike, in these coordinates."""
+        return [pair.scaled(self.centre, self.size) for pair in pairs]
+
+    def outside(
+        self, inside: np.ndarray, boundary: np.ndarray, pairs: Sequence[Pair] = (), slid: Sequence[str] = ()
+    ) -> np.ndarray:
+        """(ni, nj, nk, 3) from (3, ni, nj, nk); points of the boundary are kept, but for those of pairs and ``slid``.
+
+        The last face of each pair is the image of the first to the last bit.
+        """
+        points = self.centre + self.size * np.moveaxis(inside, 0, -1)
+        axes = [pair.axis for pair in pairs]
+        free = tuple(slice(None) if axis in axes else slice(1, -1) for axis in range(3))
+        for pair in pairs:
+            pair.close(points, free)
+        new = boundary.copy()
+        new[free] = points[free]
+        for face in slid:
+            layer = 0 if face.endswith("min") else -1
+            at = tuple(layer if name == face[0] else s for name, s in zip("ijk", free, strict=True))
+            new[at] = points[at]
+        return new
 
 
 def count_folded(points: np.ndarray, sign: float = 1.0) -> int:
@@ -115,10 +166,12 @@ def _count(x: np.ndarray, sign: float) -> int:
 
 
 class _Space(Level):
-    """One grid of a block: x and f of shape (3, ni, nj, nk)."""
+    """One grid of a block: x and f of shape (3, ni, nj, nk), with ghosts where it runs on."""
 
-    def __init__(self, x: np.ndarray, growth: np.ndarray, sign: float, workers: Workers):
+    def __init__(self, x: np.ndarray, growth: np.ndarray, sign: float, workers: Workers, ghosts: Ghosts):
         self.x = np.ascontiguousarray(x)
+        self.ghosts = ghosts
+        ghosts.wrap(self.x)
         self.f = np.zeros_like(self.x)
         self.transfer = None
         self._defect: np.ndarray | None = None
@@ -126,17 +179,24 @@ class _Space(Level):
         self._shape = self.x.shape[1:]
         self.set_growth(growth)
 
+    @property
+    def nodes(self) -> np.ndarray:
+        """(3, ni, nj, nk) points without ghosts."""
+        return self.ghosts.without(self.x)
+
     def set_growth(self, growth: np.ndarray) -> None:
-        """Set the control functions, (3, ni, nj, nk) logarithms of growth; no numbers for Laplace."""
+        """Set the control functions, (3, ni, nj, nk) logarithms of growth with ghosts; no numbers for Laplace."""
         control = -2 * np.tanh(growth.reshape(-1) / 2)
         self._flat = self.x.reshape(-1), self.f.reshape(-1), control, self._shape
 
     def smooth(self, *, back: bool) -> None:
         """Zebra lines along i, j and k, or in the reverse order."""
+        self.ghosts.wrap(self.x)
         for axis in (2, 1, 0) if back else (0, 1, 2):
             slices = self._shape[1 if axis == 0 else 0] - 2
             for parity in (1, 0) if back else (0, 1):
                 self._run(partial(self._relax, axis, parity), 0, (slices - parity + 1) // 2)
+                self.ghosts.wrap(self.x)
 
     def _relax(self, axis: int, parity: int, first: int, stop: int) -> None:
         lines = np.empty(self._shape[axis] * kernels.FIELDS * kernels.LINES)
@@ -150,6 +210,7 @@ class _Space(Level):
         if self._defect is None:
             self._defect = np.zeros_like(self.x)
         self._squares(self._defect.reshape(-1))
+        self.ghosts.wrap_vectors(self._defect)
         return self._defect
 
     def residual(self) -> float:
@@ -159,6 +220,7 @@ class _Space(Level):
 
     def _squares(self, defect: np.ndarray) -> np.ndarray:
         squares = np.zeros(self._shape[0])
+        self.ghosts.wrap(self.x)
         self._run(
             lambda first, stop: kernels.defect(*self._flat, first, stop, _row(), defect, squares), 1, self._shape[0] - 1
         )
@@ -193,29 +255,38 @@ def _row() -> np.ndarray:
 
 
 def levels_of(
-    points: np.ndarray, growth: np.ndarray | None, workers: Workers, *, least: int = LEAST_CELLS
+    x: np.ndarray,
+    growth: np.ndarray | None,
+    workers: Workers,
+    *,
+    pairs: Sequence[Pair] = (),
+    least: int = LEAST_CELLS,
 ) -> list[Level]:
-    """The grid and ever coarser ones, down to where no direction can be coarsened to ``least`` cells.
+    """The grid (3, ni, nj, nk) and ever coarser ones, down to where no direction can be coarsened to ``least`` cells.
 
     Where cells are needles, zebra lines do not smooth what changes along them: such a direction waits until the others
     are as coarse (semi-coarsening).
     """
-    x = np.ascontiguousarray(np.moveaxis(points, -1, 0))
-    theta = np.empty((3, 0, 0, 0)) if growth is None else growth
+    ghosts = Ghosts(pairs)
+    theta = np.empty((3, 0, 0, 0)) if growth is None else ghosts.added(growth)
     sign = -1.0 if _count(x, -1.0) < _count(x, 1.0) else 1.0
-    finest = _Space(x, theta, sign, workers)
+    finest = _Space(ghosts.added(x), theta, sign, workers, ghosts)
     levels: list[Level] = [finest]
     strength = finest.couplings()
-    while lines := coarsened(levels[-1].x.shape[1:], _strong(levels[-1].x.shape[1:], strength, least), least):
-        transfer = levels[-1].transfer = Transfer(lines, workers)
+    while True:
+        shape = ghosts.nodes(levels[-1].x.shape[1:])
+        lines = coarsened(shape, _strong(shape, strength, least), least)
+        if not lines:
+            return levels
+        transfer = levels[-1].transfer = Transfer(ghosts.lines(lines), workers)
         theta = theta if growth is None else growth_on_coarse(transfer, theta)
-        levels.append(_Space(transfer.sampled(levels[-1].x), theta, sign, workers))
+        levels.append(_Space(transfer.sampled(levels[-1].x), theta, sign, workers, ghosts))
         strength = strength / [4.0 if line.coarse < line.fine else 1.0 for line in lines]
-    return levels
 
 
 def set_growth(levels: Sequence[Level], growth: np.ndarray) -> None:
     """Set the control functions of all levels from (3, ni, nj, nk) logarithms of growth on the finest."""
+    growth = levels[0].ghosts.added(growth)
     for level in levels:
         level.set_growth(growth)
         if level.transfer is not None:
