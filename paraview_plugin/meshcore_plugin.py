@@ -1304,6 +1304,10 @@ class meshcoreEllipticGrid(Operation):
       <BooleanDomain name="bool"/>
       <Documentation>Whether lines lean near the edges of walls as those on the faces beside them do.</Documentation>
     </IntVectorProperty>
+    <IntVectorProperty name="Sliding" label="Sliding" command="SetSliding" number_of_elements="1" default_values="0" panel_visibility="default">
+      <BooleanDomain name="bool"/>
+      <Documentation>Whether points slide along walls to make the angle, instead of lines that lean.</Documentation>
+    </IntVectorProperty>
     <IntVectorProperty name="Periodic" label="Periodic" command="SetPeriodic" number_of_elements="1" default_values="0" panel_visibility="default">
       <EnumerationDomain name="enum"><Entry value="0" text="none"/><Entry value="1" text="i"/><Entry value="2" text="j"/><Entry value="3" text="k"/><Entry value="4" text="i and j"/><Entry value="5" text="i and k"/><Entry value="6" text="j and k"/></EnumerationDomain>
       <Documentation>Directions in which the last face is the first, moved or turned, and the grid runs on through
@@ -1340,6 +1344,7 @@ class meshcoreEllipticGrid(Operation):
       <Property name="FirstHeight"/>
       <Property name="WallAngle"/>
       <Property name="LeanAtEdges"/>
+      <Property name="Sliding"/>
     </PropertyGroup>
     <PropertyGroup label="Advanced">
       <Property name="Residual"/>
@@ -1400,6 +1405,9 @@ class meshcoreEllipticVolume(Operation):
 
     def SetLeanAtEdges(self, value):
         self.set("lean_at_edges", bool(value))
+
+    def SetSliding(self, value):
+        self.set("sliding", bool(value))
 
     def SetPeriodic(self, value):
         self.set("periodic", ('none', 'i', 'j', 'k', 'i and j', 'i and k', 'j and k')[value])

@@ -133,5 +133,6 @@ def _with_walls(points: np.ndarray, growth: np.ndarray | None, asked: AskedOfBlo
             frame.inside(points), growth, workers, pairs=frame.pairs(asked.pairs), least=LEAST_CELLS
         )
         went = controlled(levels, walls, growth, progress=progress)
-    new = frame.outside(levels[0].nodes, points, asked.pairs)
+    slid = [wall.side for wall in walls if wall.slides]
+    new = frame.outside(levels[0].nodes, points, asked.pairs, slid)
     return Found(new, went.history, went.converged, went.warnings, went.quality)

@@ -42,6 +42,7 @@ from .elliptic_parameters import (
     LeanAtEdgesParam,
     MaxCyclesParam,
     ResidualParam,
+    SlidingParam,
     WallAngleParam,
     asked_faces,
 )
@@ -88,6 +89,7 @@ def elliptic_volume(
     first_height: FirstHeightParam = None,
     wall_angle: WallAngleParam = 90.0,
     lean_at_edges: LeanAtEdgesParam = False,
+    sliding: SlidingParam = False,
     periodic: Annotated[
         Literal["none", "i", "j", "k", "i and j", "i and k", "j and k"],
         Param("Directions in which the last face is the first, moved or turned, and the grid runs on through both"),
@@ -139,6 +141,9 @@ def elliptic_volume(
         Whether lines near the edges of a wall lean as those on the faces beside it do, as far as about a quarter of
         the wall's width; otherwise they are to turn within three cells, which they cannot where faces meet at acute
         angles.
+    sliding : bool
+        Whether the points of walls slide on the bicubic surfaces through them to make the angle (Neumann's condition),
+        between their edges.
     periodic : {"none", "i", "j", "k", "i and j", "i and k", "j and k"}
         Directions in which the last face is the first, moved or turned about some axis, as between the blades of a row:
         the grid runs on through both, whose points are free and stay alike; those on their edges stay. Where both faces
@@ -209,7 +214,8 @@ def elliptic_volume(
             walls,
             first_height,
             wall_angle,
-            lean_at_edges=lean_at_edges,
+            sliding,
+            lean_at_edges,
             diagonal=start.diagonal,
             cuts=[end(pair.axis, side) for pair in pairs for side in (0, 1)],
         )

@@ -28,7 +28,7 @@ ANGLE_WITHIN, HEIGHT_WITHIN, RESIDUAL_WITHIN = 1.0, 0.05, 1e-3
 FEWEST_CELLS = (16, 24)
 """Cells that a direction keeps on all levels: coarser ones cannot hold a control function that falls off in a few."""
 MOST_STEPS = 120
-_ROUNDING = 1e-14  # a residual that is none, in a grid of unit size
+ROUNDING = 1e-14  # a residual that is none, in a grid of unit size
 LEAN_REACH = 0.5  # a
 GROWTH_REACH = 5.0  # b times the cells from wall to wall
 SHARE = 0.6  # of the promised step
@@ -296,7 +296,7 @@ def controlled(
 ) -> Controlled:
     """Solve on the finest of ``levels`` with control functions ``growth`` and those that the walls come to need."""
     finest = levels.levels[0]
-    unit = max(finest.residual(), _ROUNDING / RESIDUAL_WITHIN)
+    unit = max(finest.residual(), ROUNDING / RESIDUAL_WITHIN)
     levels.set_growth(growth)
     full_multigrid(levels, 2)
     ni, nj = growth.shape[1:]

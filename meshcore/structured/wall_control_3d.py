@@ -15,6 +15,7 @@ from ..progress import Progress, advance, silent
 from .block_faces import across
 from .face_measures import Closed, FaceMeasures, axis_of, from_face, measured
 from .multigrid import COARSEST_SWEEPS, GROWTH, Level, Outcome, cycle, first_level, full_multigrid
+from .sliding_faces import FaceSlide
 from .wall_control import (
     ANGLE_WITHIN,
     GROWTH_REACH,
@@ -23,6 +24,7 @@ from .wall_control import (
     MOST_STEPS,
     PATIENCE,
     RESIDUAL_WITHIN,
+    ROUNDING,
     Controlled,
     Wall,
     height_step,
@@ -48,21 +50,26 @@ class _Control:
         self._growth, self._lean = np.zeros(nodes), np.zeros((2, *nodes))
         self._outwards = -1.0 if wall.side.endswith("max") else 1.0
         self._angle = None if wall.angle is None else _both(wall.angle)
+        self._slide: FaceSlide | None = None
         if self._angle is not None and wall.lean_at_edges:
             self._angle = start.eased(self._angle, tuple(closed[axis] for axis in self._along))
 
-    def step(self, found: FaceMeasures, *, first: bool) -> None:
-        """Move the amplitudes against what is wrong."""
+    def step(self, x: np.ndarray, found: FaceMeasures, *, first: bool) -> None:
+        """Move the amplitudes, or the points of the face of the block x, against what is wrong."""
         if self.wall.first_height is not None:
             self._growth = limited(self._growth + self._fall * height_step(found.height, self.wall.first_height, first))
-        if self._angle is not None:
+        if self._angle is not None and self.wall.slides:
+            lines = from_face(x, self.wall.side)
+            self._slide = self._slide or FaceSlide(lines[..., 0])
+            self._slide.step(lines, found, self._angle)
+        elif self._angle is not None:
             self._lean = limited(self._lean + lean_step(found.angle, self._angle))
 
     def add(self, theta: np.ndarray, x: np.ndarray, found: FaceMeasures) -> None:
         """Add the control functions to (3, ni, nj, nk) logarithms of growth of the block x of that shape."""
         view = from_face(theta[self._axis], self.wall.side)
         view += self._outwards * self._growth[..., None] * np.exp(-self._fall * np.arange(view.shape[-1]))
-        if self._angle is None:
+        if self._angle is None or self.wall.slides:
             return
         lines = from_face(x, self.wall.side)
         distance = np.zeros(lines.shape[1:])
@@ -126,54 +133,63 @@ def controlled(
     """
     levels = list(levels)
     finest, outcome = levels[0], Outcome()
-    scale = finest.residual() or 1.0
+    unit = max(finest.residual(), ROUNDING / RESIDUAL_WITHIN)
     set_growth(levels, growth)
     full_multigrid(levels, first_level(levels, FIRST_CELLS), outcome)
-    closed = finest.ghosts.closed
     faces = [wall.side for wall in walls]
-    start = [measured(finest.x, face, sign, closed) for face in faces]
+    start = [_measured(finest, wall, sign) for wall in walls]
     controls = [
-        _Control(wall, growth.shape[1:], _opposite(wall.side) in faces, found, closed)
+        _Control(wall, growth.shape[1:], _opposite(wall.side) in faces, found, _runs_on(finest, wall))
         for wall, found in zip(walls, start, strict=True)
     ]
-    history, worst, best = [1.0, finest.residual() / scale], [], None
+    residuals, worst, best = [unit, finest.residual()], [], None
     for step in range(most_steps):
-        found = [measured(finest.x, face, sign, closed) for face in faces]
-        went = _judged(controls, found, history, angle_within, height_within)
-        if went.converged:
-            return went
+        found = [_measured(finest, wall, sign) for wall in walls]
+        went = _judged(controls, found, angle_within, height_within)
+        settled = residuals[-1] < RESIDUAL_WITHIN * unit
+        if settled and went.converged:
+            break
         # What is wrong where it is worst, and how many nodes are wrong: a crease may keep a few for ever.
         worst.append((went.angle / angle_within + went.height / height_within) * (1.01 - went.good))
-        if history[-1] < RESIDUAL_WITHIN and worst[-1] == min(worst):
+        if settled and worst[-1] == min(worst):
             best = went, finest.x.copy()
         if len(worst) > PATIENCE and min(worst[-PATIENCE:]) > 0.98 * min(worst[:-PATIENCE]):
             break
         theta = growth.copy()
         for control, have in zip(controls, found, strict=True):
-            control.step(have, first=step == 0)
+            control.step(finest.nodes, have, first=step == 0)
             control.add(theta, finest.nodes, have)
         set_growth(levels, limited(theta))
+        if step == 0:  # where the start solves the equations, as in a box, there is nothing to measure by but this
+            unit = max(unit, finest.residual())
         _safe_cycle(levels, outcome)
-        history.append(finest.residual() / scale)
+        residuals.append(finest.residual())
         advance(progress, step / most_steps, f"angle within {went.angle:.2g} degrees, height within {went.height:.1%}")
-    if best is not None:
+    else:
+        settled = False
+    if not (settled and went.converged) and best is not None:
         went, finest.x[...] = best
-    return replace(went, history=tuple(history))
+    history = tuple(residual / unit for residual in residuals)
+    return replace(went, history=history, converged=settled and went.converged)
+
+
+def _runs_on(level: Level, wall: Wall) -> Closed:
+    """Along which directions a wall has no edges; where its points slide, they stay at cuts, too."""
+    return (False, False, False) if wall.slides else level.ghosts.closed
+
+
+def _measured(level: Level, wall: Wall, sign: float) -> FaceMeasures:
+    return measured(level.nodes if wall.slides else level.x, wall.side, sign, _runs_on(level, wall))
 
 
 def _judged(
-    controls: Sequence[_Control],
-    found: Sequence[FaceMeasures],
-    history: Sequence[float],
-    angle_within: float,
-    height_within: float,
+    controls: Sequence[_Control], found: Sequence[FaceMeasures], angle_within: float, height_within: float
 ) -> Controlled:
     """How far walls are from what was asked, where they count."""
     wrong = np.concatenate([control.wrong(have) for control, have in zip(controls, found, strict=True)], axis=1)
-    angle, height = wrong.max(axis=1, initial=0.0)
+    angle, height = (float(worst) for worst in wrong.max(axis=1, initial=0.0))
     good = (wrong[0] < angle_within) & (wrong[1] < height_within)
-    reached = bool(good.all() and history[-1] < RESIDUAL_WITHIN)
-    return Controlled(tuple(history), float(angle), float(height), reached, float(good.mean()) if len(good) else 1.0)
+    return Controlled((), angle, height, bool(good.all()), float(good.mean()) if len(good) else 1.0)
 
 
 def _opposite(face: str) -> str:

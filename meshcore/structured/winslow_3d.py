@@ -130,7 +130,7 @@ class BlockFrame:
         new[free] = points[free]
         for face in slid:
             layer = 0 if face.endswith("min") else -1
-            at = tuple(layer if name == face[0] else s for name, s in zip("ijk", free, strict=True))
+            at = tuple(layer if name == face[0] else slice(1, -1) for name in "ijk")
             new[at] = points[at]
         return new
 
