@@ -322,6 +322,27 @@ def sides_on_torus(n: int = 32, m: int = 24) -> tuple[np.ndarray, np.ndarray, np
     return tuple(on_bumpy_torus(u + 0 * v, v + 0 * u) for u, v in ends)  # type: ignore[return-value]
 
 
+def blade_row(n: int = 24, m: int = 60, layers: int = 24, *, blades: int = 11) -> StructuredGrid:
+    """Passage of an annular row of biconvex, twisted blades: ``n`` cells from blade to blade, ``m`` along the flow.
+
+    Up- and downstream of the blades the faces across i are images of each other, turned about the z axis. It is filled
+    by linear transfinite interpolation, ``layers`` from the hub to the casing.
+
+    Examples
+    --------
+    >>> blade_row(4, 12, 5)
+    StructuredGrid(5 x 13 x 6 points)
+    """
+    u, v, w = np.meshgrid(*(np.linspace(0, 1, cells + 1) for cells in (n, m, layers)), indexing="ij")
+    on_blade = np.clip((v - 0.3) / 0.4, 0, 1)
+    pitch, radius = 2 * np.pi / blades, 0.6 + 0.1 * np.sin(np.pi * v) ** 2 + w * (0.55 - 0.1 * v)
+    thickness = 0.5 * pitch * on_blade * (1 - on_blade) * (1.6 - 0.6 * w)
+    camber = 0.25 * (1 + 0.6 * w) * np.sin(0.5 * np.pi * on_blade) ** 2 + 0.25 * np.clip(v - 0.7, 0, 1) * (1 + w)
+    angle = camber + (1 - u) * 0.5 * thickness + u * (pitch - 0.5 * thickness)
+    faces = np.stack([radius * np.cos(angle), radius * np.sin(angle), 1.4 * v], axis=-1)
+    return StructuredGrid(blended(faces, (0, 1, 2)), names={"kmin": "hub", "kmax": "casing", "imin": "blade"})
+
+
 def sunflower(n: int = 60) -> Mesh:
     """``n`` points in the unit disk as the seeds of a sunflower stand, turned by the golden angle, as "vertex" cells.
 

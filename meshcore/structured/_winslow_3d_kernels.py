@@ -6,7 +6,8 @@ The equations (survey 2.5.1) times J^2, in index units with central differences:
 
 A to F are the cofactors of g_ij (J. F. Thompson, Z. U. A. Warsi, C. W. Mastin, "Numerical Grid Generation", 1985,
 equation VI.22). Arrays are flat and hold three components of n = na nb nc numbers each, c fastest. The right side f
-is zero on the finest grid. `control` holds P, Q, R likewise, or is empty.
+is zero on the finest grid. `control` holds P, Q, R likewise, or is empty; `kept`, n bytes or none, tells which nodes
+are no unknowns: their equations are nothing, which makes their corrections zero.
 
 Machine code works on several nodes at once: equations are set up for `NODES` neighbours along c, and `LINES` lines are
 solved side by side. Either way a node has `FIELDS` numbers in rows of that length: A, B, C, the three components of the
@@ -87,7 +88,7 @@ def _equation(x, f, p, n, sa, sb, row, t):
 
 
 @kernel
-def equations(x, f, control, at, m, n, sa, sb, axis, row):
+def equations(x, f, control, kept, at, m, n, sa, sb, axis, row):
     """The equations at m nodes in a row along c, from ``at`` on; ``axis`` is that of the line to be solved."""
     p, n, sa, sb = U(at), U(n), U(sa), U(sb)
     for t in range(m):
@@ -103,6 +104,11 @@ def equations(x, f, control, at, m, n, sa, sb, axis, row):
                     row[U((3 + q) * NODES + t)] += factor * (x[node + s] - x[node - s])
                 if direction == axis:
                     row[U(6 * NODES + t)] = rate
+    if len(kept):
+        for t in range(m):
+            if kept[p + U(t)]:
+                for field in range(FIELDS):
+                    row[U(field * NODES + t)] = 0.0
 
 
 @kernel
@@ -141,7 +147,7 @@ def substitute(x, v, count, m, at, n, along, aside):
 
 
 @kernel
-def relax_across(x, f, control, shape, axis, parity, first, stop, row, v):
+def relax_across(x, f, control, kept, shape, axis, parity, first, stop, row, v):
     """Zebra lines along a (axis 0) or b (axis 1) in the slices ``1 + parity + 2 k`` of the other, k in first..stop.
 
     In c, c = 1, 3, ... come before 2, 4, ..., in strips of `NODES`, while their nodes are in the cache. Equations are
@@ -160,7 +166,7 @@ def relax_across(x, f, control, shape, axis, parity, first, stop, row, v):
                 m = min(LINES, (shape[2] - c) // 2)
                 at = (1 + parity + 2 * k) * across + c
                 for l in range(1, count + 1):
-                    equations(x, f, control, at + l * along, 2 * m - 1, n, sa, sb, axis, row)
+                    equations(x, f, control, kept, at + l * along, 2 * m - 1, n, sa, sb, axis, row)
                     for field in range(FIELDS):
                         o = U(l * _STEP + field * LINES)
                         for t in range(m):
@@ -170,7 +176,7 @@ def relax_across(x, f, control, shape, axis, parity, first, stop, row, v):
 
 
 @kernel
-def relax_along(x, f, control, shape, parity, first, stop, row, v):
+def relax_along(x, f, control, kept, shape, parity, first, stop, row, v):
     """Zebra lines along c in the slices ``a = 1 + parity + 2 k``, k in first..stop, alternate in b."""
     n = shape[0] * shape[1] * shape[2]
     sa = shape[1] * shape[2]
@@ -185,7 +191,7 @@ def relax_along(x, f, control, shape, parity, first, stop, row, v):
                 for t in range(m):
                     for c in range(1, shape[2] - 1, NODES):
                         length = min(NODES, shape[2] - 1 - c)
-                        equations(x, f, control, at + 2 * t * sb + c, length, n, sa, sb, 2, row)
+                        equations(x, f, control, kept, at + 2 * t * sb + c, length, n, sa, sb, 2, row)
                         for s in range(length):
                             for field in range(FIELDS):
                                 v[U((c + s) * _STEP + field * LINES + t)] = row[U(field * NODES + s)]
@@ -195,7 +201,7 @@ def relax_along(x, f, control, shape, parity, first, stop, row, v):
 
 
 @kernel
-def defect(x, f, control, shape, first, stop, row, r, squares):
+def defect(x, f, control, kept, shape, first, stop, row, r, squares):
     """``r = f - N(x)`` in the slices a of first..stop, if r is not empty, and what point relaxation would move there.
 
     ``squares[a]`` gets the sum of the squared lengths by which Jacobi's step moves the nodes of slice a.
@@ -209,7 +215,7 @@ def defect(x, f, control, shape, first, stop, row, r, squares):
             for c in range(1, shape[2] - 1, NODES):
                 m = min(NODES, shape[2] - 1 - c)
                 at = a * sa + b * sb + c
-                equations(x, f, control, at, m, n, sa, sb, -1, row)
+                equations(x, f, control, kept, at, m, n, sa, sb, -1, row)
                 for t in range(m):
                     o = U(t)
                     dx = row[o + U(3 * NODES)]
@@ -225,7 +231,7 @@ def defect(x, f, control, shape, first, stop, row, r, squares):
 
 
 @kernel
-def couplings(x, f, control, shape, first, stop, row, shares):
+def couplings(x, f, control, kept, shape, first, stop, row, shares):
     """``shares[a, d]``: sum over slice a of the part that direction d has in A + B + C."""
     n = shape[0] * shape[1] * shape[2]
     sa = shape[1] * shape[2]
@@ -234,7 +240,7 @@ def couplings(x, f, control, shape, first, stop, row, shares):
         for b in range(1, shape[1] - 1):
             for c in range(1, shape[2] - 1, NODES):
                 m = min(NODES, shape[2] - 1 - c)
-                equations(x, f, control, a * sa + b * sb + c, m, n, sa, sb, -1, row)
+                equations(x, f, control, kept, a * sa + b * sb + c, m, n, sa, sb, -1, row)
                 for t in range(m):
                     whole = row[U(t)] + row[U(NODES + t)] + row[U(2 * NODES + t)] + TINY
                     for d in range(3):

@@ -60,8 +60,11 @@ class AskedOfBlock:
                 )
             if names.count(wall.side) > 1:
                 raise InvalidInput(f"{wall.side} is named twice; give one wall for each face", parameter="walls")
-            if axis_of(wall.side) in [pair.axis for pair in self.pairs]:
+            cut = next((pair for pair in self.pairs if pair.axis == axis_of(wall.side)), None)
+            if cut is not None and cut.kept is None:
                 raise InvalidInput(f"{wall.side} is where the block runs on, not a wall", parameter="walls")
+            if cut is not None and wall.slides:
+                raise InvalidInput(f"{wall.side} is a wall in part only, which cannot slide", parameter="sliding")
             _check_wall(points, wall)
 
 

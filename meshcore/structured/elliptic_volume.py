@@ -146,8 +146,9 @@ def elliptic_volume(
         between their edges.
     periodic : {"none", "i", "j", "k", "i and j", "i and k", "j and k"}
         Directions in which the last face is the first, moved or turned about some axis, as between the blades of a row:
-        the grid runs on through both, whose points are free and stay alike; those on their edges stay. Where both faces
-        coincide, as in O-type blocks, that is so by itself.
+        the grid runs on through both, whose points are free and stay alike; those on their edges stay. Points that are
+        not alike, but on blades, stay too, if they are not most. Where both faces coincide, as in O-type blocks, that
+        is so by itself.
     residual : float, optional
         Residual to reach in units of the start's. Left out, cycles go on until each node is within about a thousandth
         of the local spacing from its converged place. Control at walls stops by angle and height instead.
@@ -209,6 +210,7 @@ def elliptic_volume(
         raise InvalidInput("is given beside walls; give only one of them", parameter="each_wall")
     pairs = pairs_of(start.points, asked_axes(periodic), start.periodic)
     start = _closed(start, pairs)
+    warnings += [pair.told for pair in pairs if pair.kept is not None]
     asked = AskedOfBlock(
         walls=asked_faces(
             walls,
@@ -217,7 +219,7 @@ def elliptic_volume(
             sliding,
             lean_at_edges,
             diagonal=start.diagonal,
-            cuts=[end(pair.axis, side) for pair in pairs for side in (0, 1)],
+            cuts=[end(pair.axis, side) for pair in pairs if pair.kept is None for side in (0, 1)],
         )
         or each_wall,
         pairs=pairs,
@@ -307,7 +309,7 @@ def _closed(grid: StructuredGrid, pairs: Sequence[Pair]) -> StructuredGrid:
     """The grid, periodic where both faces of a pair coincide: not every file can say so."""
     points, periodic = grid.points.copy(), list(grid.periodic)
     for pair in pairs:
-        if pair.motion.is_none:
+        if pair.motion.is_none and pair.kept is None:
             periodic[pair.axis] = True
             np.moveaxis(points, pair.axis, 0)[-1] = np.moveaxis(points, pair.axis, 0)[0]
     return replace(grid, points=points, periodic=tuple(periodic))

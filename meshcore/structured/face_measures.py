@@ -103,7 +103,13 @@ def facing(face: str) -> float:
     return (-1.0 if face[0] == "j" else 1.0) * (-1.0 if face.endswith("max") else 1.0)
 
 
-def measured(x: np.ndarray, face: str, sign: float = 1.0, closed: Closed = (False,) * 3) -> FaceMeasures:
+def measured(
+    x: np.ndarray,
+    face: str,
+    sign: float = 1.0,
+    closed: Closed = (False,) * 3,
+    wall: np.ndarray | None = None,
+) -> FaceMeasures:
     """`FaceMeasures` of a face of a block.
 
     Parameters
@@ -117,6 +123,8 @@ def measured(x: np.ndarray, face: str, sign: float = 1.0, closed: Closed = (Fals
         1 if the block is right-handed, else -1.
     closed : tuple of three bool
         Along which directions the block runs on from its end to its beginning.
+    wall : (na, nb) bool, optional
+        Which nodes of the face are a wall, if not all are; it has edges, too.
 
     Examples
     --------
@@ -126,8 +134,8 @@ def measured(x: np.ndarray, face: str, sign: float = 1.0, closed: Closed = (Fals
     (array([90., 90.]), 0.5, array([1., 1.]))
     """
     view = from_face(x, face)
-    wall, edge = view[..., 0], view[..., 1] - view[..., 0]
-    along = [_along(wall, axis) for axis in (1, 2)]
+    points, edge = view[..., 0], view[..., 1] - view[..., 0]
+    along = [_along(points, axis) for axis in (1, 2)]
     (a, spacing_a, turn_a), (b, spacing_b, turn_b) = along
     normal = np.cross(a, b, axis=0)
     sine = np.linalg.norm(normal, axis=0)
@@ -139,7 +147,8 @@ def measured(x: np.ndarray, face: str, sign: float = 1.0, closed: Closed = (Fals
     ends = [closed[axis] for axis in across(face)]
     counts = sine > _FLAT
     for axis, (turn, closes) in enumerate(zip((turn_a, turn_b), ends, strict=True)):
-        counts &= _away_from(turn > SHARP, wall, height, axis, closes)
+        ends_here = turn > SHARP if wall is None else (turn > SHARP) | ~_padded(wall, ends)
+        counts &= _away_from(ends_here, points, height, axis, closes)
     found = FaceMeasures(
         np.degrees(np.arctan2(out, parts)),
         height,
@@ -148,6 +157,10 @@ def measured(x: np.ndarray, face: str, sign: float = 1.0, closed: Closed = (Fals
         counts,
     )
     return _without_ghosts(found, ends)
+
+
+def _padded(values: np.ndarray, ends: list[bool]) -> np.ndarray:
+    return np.pad(values, [(0, int(closed)) for closed in ends], mode="edge")
 
 
 def _along(wall: np.ndarray, axis: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

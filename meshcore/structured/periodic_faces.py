@@ -12,11 +12,16 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..errors import InvalidInput
+from ..threads import Workers
 from .block_faces import AXES, end
-from .transfer import Line, Table
+from .transfer import Line, Table, Transfer
 
 ALIKE = 1e-6
 """Part of the block's extent by which points of faces may differ from images of each other."""
+FEWEST_ALIKE = 0.1
+"""Part of the points of two faces that must be alike, if the others are walls."""
+# What tells the motion: both faces as a whole, or three rows at an end of theirs, as up- and downstream of blades.
+_PARTS = (np.s_[:], np.s_[:3], np.s_[-3:], np.s_[:, :3], np.s_[:, -3:])
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,10 +101,13 @@ class Pair:
         Across which they lie.
     motion : Motion
         From the first face to the last.
+    kept : (na, nb) bool, optional
+        Where the faces are not alike, and beside it: walls, such as blades, whose points stay.
     """
 
     axis: int
     motion: Motion
+    kept: np.ndarray | None = None
 
     @classmethod
     def found(cls, points: np.ndarray, axis: int) -> Pair:
@@ -115,26 +123,65 @@ class Pair:
             raise InvalidInput(
                 f"needs three cells or more between {names}, got {points.shape[axis] - 1}", parameter="periodic"
             )
-        first, last = (points.take(layer, axis).reshape(-1, 3) for layer in (0, -1))
-        motion = Motion.between(first, last)
-        off = float(np.abs(motion.moved(first) - last).max())
-        if off > ALIKE * float(np.ptp(points.reshape(-1, 3), axis=0).max()):
+        first, last = (points.take(layer, axis) for layer in (0, -1))
+        tolerance = ALIKE * float(np.ptp(points.reshape(-1, 3), axis=0).max())
+        motions = [Motion.between(first[part].reshape(-1, 3), last[part].reshape(-1, 3)) for part in _PARTS]
+        off = [np.abs(motion.moved(first) - last).max(axis=-1) for motion in motions]
+        best = int(np.argmax([(distance <= tolerance).sum() for distance in off]))
+        alike = off[best] <= tolerance
+        if alike.mean() < FEWEST_ALIKE:
             raise InvalidInput(
                 f"needs {names} to be alike, the one moved or turned, but however it is moved, points differ by up to "
-                f"{off:.4g}",
+                f"{off[0].max():.4g}",
                 parameter="periodic",
             )
-        return cls(axis, motion)
+        if alike.all():
+            return cls(axis, motions[best])
+        return cls(axis, Motion.between(first[alike], last[alike]), _widened(~alike))
+
+    @property
+    def told(self) -> str:
+        """What users are told of faces that are walls in part."""
+        walls, whole = int(self.kept.sum()), self.kept.size
+        return (
+            f"{end(self.axis, 0)} and {end(self.axis, 1)} are alike but for walls, whose points stay: "
+            f"{walls:,} of {whole:,}"
+        )
 
     def scaled(self, centre: np.ndarray, size: float) -> Pair:
         """The same in coordinates ``(x - centre) / size``."""
-        return Pair(self.axis, self.motion.scaled(centre, size))
+        return Pair(self.axis, self.motion.scaled(centre, size), self.kept)
 
-    def close(self, points: np.ndarray, free: tuple[slice, ...]) -> None:
-        """Make the last face of (ni, nj, nk, 3) points the image of the first, at those that are ``free``."""
+    def close(self, points: np.ndarray, boundary: np.ndarray, free: tuple[slice, ...]) -> None:
+        """Make the last face of (ni, nj, nk, 3) points the image of the first where they are ``free``; others stay."""
         at = [s for axis, s in enumerate(free) if axis != self.axis]
-        lines = np.moveaxis(points, self.axis, 0)
+        lines, given = (np.moveaxis(values, self.axis, 0) for values in (points, boundary))
         lines[(-1, *at)] = self.motion.moved(lines[(0, *at)])
+        if self.kept is not None:
+            for layer in (0, -1):
+                lines[layer][self.kept] = given[layer][self.kept]
+
+    def coarsened(self, transfer: Transfer) -> Pair:
+        """The same of a coarser grid."""
+        if self.kept is None:
+            return self
+        share = self.kept.astype(float)
+        for place, axis in enumerate(axis for axis in range(3) if axis != self.axis):
+            index, weight = transfer.lines[axis].to_coarse
+            index, weight = index[: transfer.lines[axis].coarse + 1], weight[: transfer.lines[axis].coarse + 1]
+            rows = np.moveaxis(share, place, 0)
+            share = np.moveaxis((rows[index] * weight[:, :, None]).sum(axis=1), 0, place)
+        return Pair(self.axis, self.motion, share >= 0.5)
+
+
+def _widened(kept: np.ndarray) -> np.ndarray:
+    """With the nodes beside them: the edges of blades, where both faces meet the cut."""
+    wide = kept.copy()
+    for axis in (0, 1):
+        rows, more = np.moveaxis(kept, axis, 0), np.moveaxis(wide, axis, 0)
+        more[1:] |= rows[:-1]
+        more[:-1] |= rows[1:]
+    return wide
 
 
 def pairs_of(points: np.ndarray, axes: Sequence[int], given: Sequence[bool] = (False,) * 3) -> list[Pair]:
@@ -164,7 +211,9 @@ def averaged_at_cuts(values: np.ndarray, pairs: Sequence[Pair]) -> np.ndarray:
     values = values.copy()
     for pair in pairs:
         rows = np.moveaxis(values, 1 + pair.axis, 0)
-        rows[0] = rows[-1] = 0.5 * (rows[0] + rows[-1])
+        mean = 0.5 * (rows[0] + rows[-1])
+        for row in (rows[0], rows[-1]):
+            row[...] = mean if pair.kept is None else np.where(pair.kept, row, mean)
     return values
 
 
@@ -224,6 +273,11 @@ class Ghosts:
         self.pairs = tuple(pairs)
         self.closed = tuple(any(pair.axis == axis for pair in pairs) for axis in range(3))
 
+    @property
+    def whole(self) -> tuple[bool, bool, bool]:
+        """Along which directions the block runs on everywhere."""
+        return tuple(any(p.axis == axis and p.kept is None for p in self.pairs) for axis in range(3))  # type: ignore
+
     def nodes(self, shape: Sequence[int]) -> tuple[int, ...]:
         """How many nodes there are along each direction without ghosts."""
         return tuple(n - closed for n, closed in zip(shape, self.closed, strict=True))
@@ -233,17 +287,19 @@ class Ghosts:
         return values[(slice(None), *(slice(None, n) for n in self.nodes(values.shape[1:])))]
 
     def added(self, values: np.ndarray) -> np.ndarray:
-        """(m, ni, nj, nk) numbers that are alike at both ends, with ghosts; the first layer is to be the last."""
+        """(m, ni, nj, nk) values with room for ghosts, which for numbers are right: the image of the second layer."""
         for pair in self.pairs:
             rows = np.moveaxis(values, 1 + pair.axis, 0)
-            values = np.moveaxis(np.concatenate([rows[-1:], rows[1:], rows[1:2]]), 0, 1 + pair.axis)
+            values = np.moveaxis(np.concatenate([rows, rows[1:2]]), 0, 1 + pair.axis)
         return values
 
     def wrap(self, x: np.ndarray) -> None:
         """Set the ghosts of points, and the first layer from the last."""
         for pair in self.pairs:
             rows = np.moveaxis(x, (1 + pair.axis, 0), (0, -1))
-            rows[0], rows[-1] = pair.motion.inverse.moved(rows[-2]), pair.motion.moved(rows[1])
+            image = pair.motion.inverse.moved(rows[-2])
+            rows[0] = image if pair.kept is None else np.where(self._over(pair)[..., None], rows[0], image)
+            rows[-1] = pair.motion.moved(rows[1])
 
     def wrap_vectors(self, d: np.ndarray) -> None:
         """Set the ghosts of vectors, such as defects."""
@@ -251,9 +307,50 @@ class Ghosts:
             rows = np.moveaxis(d, (1 + pair.axis, 0), (0, -1))
             rows[0], rows[-1] = pair.motion.inverse.turned(rows[-2]), pair.motion.turned(rows[1])
 
-    def lines(self, lines: Sequence[Line]) -> tuple[Line, ...]:
-        """The lines of transfer, those that run on with ghosts."""
-        return tuple(
+    def kept(self, shape: Sequence[int]) -> np.ndarray:
+        """Flat bytes that tell which nodes of arrays of that shape are no unknowns though on a cut; or none."""
+        if all(pair.kept is None for pair in self.pairs):
+            return np.zeros(0, np.uint8)
+        kept = np.zeros(shape, np.uint8)
+        for pair in self.pairs:
+            if pair.kept is not None:
+                np.moveaxis(kept, pair.axis, 0)[-2] |= self._over(pair)
+        return kept.reshape(-1)
+
+    def wall(self, face: str) -> np.ndarray | None:
+        """(na, nb) bool: which nodes of a face are a wall, if not all are."""
+        return next((pair.kept for pair in self.pairs if pair.axis == AXES.index(face[0])), None)
+
+    def _over(self, pair: Pair) -> np.ndarray:
+        """A pair's kept nodes, with ghosts where other directions run on."""
+        along = [axis for axis in range(3) if axis != pair.axis]
+        return np.pad(pair.kept, [(0, int(self.closed[axis])) for axis in along], mode="edge")
+
+    def transfer(self, lines: Sequence[Line], workers: Workers) -> Transfer:
+        """Transfer to a coarser grid, along those lines without ghosts."""
+        lines = tuple(
             CyclicLine(line.fine, line.coarse) if closed else line
             for line, closed in zip(lines, self.closed, strict=True)
         )
+        kept = [(pair.axis, self._over(pair)) for pair in self.pairs if pair.kept is not None]
+        return _KeepingTransfer(lines, workers, kept) if kept else Transfer(lines, workers)
+
+    def coarsened(self, transfer: Transfer) -> Ghosts:
+        """Those of a coarser grid."""
+        return Ghosts([pair.coarsened(transfer) for pair in self.pairs])
+
+
+@dataclass(frozen=True)
+class _KeepingTransfer(Transfer):
+    """Transfer that leaves nodes alone which are kept on the layers of a cut."""
+
+    kept: Sequence[tuple[int, np.ndarray]] = ()
+
+    def add(self, coarse: np.ndarray, factor: float, fine: np.ndarray) -> None:
+        """Add ``factor`` times the values that are interpolated from (m, *coarse shape) to ``fine``."""
+        layers = [np.moveaxis(fine, 1 + axis, 0)[layer] for axis, _ in self.kept for layer in (0, -2)]
+        before = [layer.copy() for layer in layers]
+        super().add(coarse, factor, fine)
+        for number, (layer, values) in enumerate(zip(layers, before, strict=True)):
+            kept = self.kept[number // 2][1]
+            layer[:, kept] = values[:, kept]

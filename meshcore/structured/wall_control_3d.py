@@ -41,7 +41,9 @@ _NEGLIGIBLE = 40.0  # of exp(-x)
 class _Control:
     """The state of one wall's control: amplitudes t across and u along it, over its nodes."""
 
-    def __init__(self, wall: Wall, shape: tuple[int, ...], facing_another: bool, start: FaceMeasures, closed: Closed):
+    def __init__(self, wall: Wall, level: Level, facing_another: bool, start: FaceMeasures):
+        shape, closed = level.nodes.shape[1:], _runs_on(level, wall)
+        self._is_wall = level.ghosts.wall(wall.side)
         self.wall, self._axis = wall, axis_of(wall.side)
         self._along = across(wall.side)
         nodes = tuple(shape[axis] for axis in self._along)
@@ -64,6 +66,8 @@ class _Control:
             self._slide.step(lines, found, self._angle)
         elif self._angle is not None:
             self._lean = limited(self._lean + lean_step(found.angle, self._angle))
+        if self._is_wall is not None:
+            self._growth, self._lean = self._growth * self._is_wall, self._lean * self._is_wall
 
     def add(self, theta: np.ndarray, x: np.ndarray, found: FaceMeasures) -> None:
         """Add the control functions to (3, ni, nj, nk) logarithms of growth of the block x of that shape."""
@@ -139,8 +143,7 @@ def controlled(
     faces = [wall.side for wall in walls]
     start = [_measured(finest, wall, sign) for wall in walls]
     controls = [
-        _Control(wall, growth.shape[1:], _opposite(wall.side) in faces, found, _runs_on(finest, wall))
-        for wall, found in zip(walls, start, strict=True)
+        _Control(wall, finest, _opposite(wall.side) in faces, found) for wall, found in zip(walls, start, strict=True)
     ]
     residuals, worst, best = [unit, finest.residual()], [], None
     for step in range(most_steps):
@@ -175,11 +178,14 @@ def controlled(
 
 def _runs_on(level: Level, wall: Wall) -> Closed:
     """Along which directions a wall has no edges; where its points slide, they stay at cuts, too."""
-    return (False, False, False) if wall.slides else level.ghosts.closed
+    return (False, False, False) if wall.slides else level.ghosts.whole
 
 
 def _measured(level: Level, wall: Wall, sign: float) -> FaceMeasures:
-    return measured(level.nodes if wall.slides else level.x, wall.side, sign, _runs_on(level, wall))
+    """What a wall has; ghosts are of use only where it runs on."""
+    closed = _runs_on(level, wall)
+    at = tuple(slice(None, n + runs) for n, runs in zip(level.nodes.shape[1:], closed, strict=True))
+    return measured(level.x[(slice(None), *at)], wall.side, sign, closed, level.ghosts.wall(wall.side))
 
 
 def _judged(

@@ -13,7 +13,7 @@ from ..threads import Workers, available_threads
 from . import _winslow_3d_kernels as kernels
 from .multigrid import Level, Outcome, first_level, solve
 from .periodic_faces import Ghosts, Pair
-from .transfer import LEAST_CELLS, NUMBERS_A_THREAD, Transfer, coarsened, coarser, growth_on_coarse
+from .transfer import LEAST_CELLS, NUMBERS_A_THREAD, coarsened, coarser, growth_on_coarse
 
 WEAK = 0.3
 """A direction whose coupling is less than this part of the strongest is not coarsened yet."""
@@ -124,10 +124,10 @@ class BlockFrame:
         points = self.centre + self.size * np.moveaxis(inside, 0, -1)
         axes = [pair.axis for pair in pairs]
         free = tuple(slice(None) if axis in axes else slice(1, -1) for axis in range(3))
-        for pair in pairs:
-            pair.close(points, free)
         new = boundary.copy()
         new[free] = points[free]
+        for pair in pairs:
+            pair.close(new, boundary, free)
         for face in slid:
             layer = 0 if face.endswith("min") else -1
             at = tuple(layer if name == face[0] else slice(1, -1) for name in "ijk")
@@ -170,7 +170,7 @@ class _Space(Level):
 
     def __init__(self, x: np.ndarray, growth: np.ndarray, sign: float, workers: Workers, ghosts: Ghosts):
         self.x = np.ascontiguousarray(x)
-        self.ghosts = ghosts
+        self.ghosts, self._kept = ghosts, ghosts.kept(self.x.shape[1:])
         ghosts.wrap(self.x)
         self.f = np.zeros_like(self.x)
         self.transfer = None
@@ -187,7 +187,7 @@ class _Space(Level):
     def set_growth(self, growth: np.ndarray) -> None:
         """Set the control functions, (3, ni, nj, nk) logarithms of growth with ghosts; no numbers for Laplace."""
         control = -2 * np.tanh(growth.reshape(-1) / 2)
-        self._flat = self.x.reshape(-1), self.f.reshape(-1), control, self._shape
+        self._flat = self.x.reshape(-1), self.f.reshape(-1), control, self._kept, self._shape
 
     def smooth(self, *, back: bool) -> None:
         """Zebra lines along i, j and k, or in the reverse order."""
@@ -278,7 +278,8 @@ def levels_of(
         lines = coarsened(shape, _strong(shape, strength, least), least)
         if not lines:
             return levels
-        transfer = levels[-1].transfer = Transfer(ghosts.lines(lines), workers)
+        transfer = levels[-1].transfer = ghosts.transfer(lines, workers)
+        ghosts = ghosts.coarsened(transfer)
         theta = theta if growth is None else growth_on_coarse(transfer, theta)
         levels.append(_Space(transfer.sampled(levels[-1].x), theta, sign, workers, ghosts))
         strength = strength / [4.0 if line.coarse < line.fine else 1.0 for line in lines]

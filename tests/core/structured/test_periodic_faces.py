@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 import meshcore as mc
-from meshcore import InvalidInput, StructuredGrid, Wall, quality
+from meshcore import InvalidInput, StructuredGrid, Wall, gallery, quality
 from meshcore.structured.blending import blended
 from meshcore.structured.face_measures import measured
 from meshcore.structured.periodic_faces import CyclicLine, Ghosts, Motion, Pair, pairs_of
 from meshcore.structured.winslow_3d import solved
+from tests import naive
 from tests.core.structured.test_wall_control_3d import box
 
 TURN = np.radians(40)
@@ -189,3 +190,58 @@ def test_bad_periods_are_named():
         mc.elliptic_volume(StructuredGrid(mirrored), periodic="i")
     with pytest.raises(InvalidInput, match="periodic: 'all' is not one of"):
         mc.elliptic_volume(StructuredGrid(start), periodic="all")
+
+
+def test_blades_on_the_cut_are_walls_and_the_rest_runs_on():
+    start = gallery.blade_row(14, 30, 10)
+    pair = pairs_of(start.points, [0])[0]
+    on_blade = np.zeros(31, bool)
+    on_blade[9:22] = True  # with both ends, where the faces meet the cut
+    assert (pair.kept == on_blade[:, None]).all()
+    np.testing.assert_allclose(pair.motion.turn[:2, 0], [np.cos(2 * np.pi / 11), np.sin(2 * np.pi / 11)], atol=1e-12)
+    grid, report = mc.elliptic_volume(start, periodic="i", control="none", residual=1e-10)
+    assert report.converged
+    assert "imin and imax are alike but for walls, whose points stay: 143 of 341" in report.warnings
+    points = grid.points
+    for layer in (0, -1):
+        assert (points[layer, on_blade] == start.points[layer, on_blade]).all()
+    free = np.s_[~on_blade, 1:-1]
+    inner = ~on_blade & (np.arange(31) > 0) & (np.arange(31) < 30)
+    assert (points[-1, inner, 1:-1] == pair.motion.moved(points[0, inner, 1:-1])).all()
+    assert abs(points[0] - start.points[0])[free].max() > 1e-3
+    # The equations hold on the cut, too.
+    across = np.concatenate([points[-3:], pair.motion.moved(points[1:3])])
+    defects = naive.elliptic_defects(across, 0 * across)
+    scale = abs(naive.elliptic_defects(points, 0 * points)).max() + 1e-18
+    assert abs(defects[2, inner, 1:-1]).max() < 1e3 * scale
+    shifted = across.copy()
+    shifted[2] += 1e-5
+    assert abs(naive.elliptic_defects(shifted, 0 * shifted)[2, inner, 1:-1]).max() > 1e5 * scale
+
+
+def test_blades_and_hub_are_walls_of_given_height():
+    height = 0.004
+    grid, report = mc.elliptic_volume(
+        gallery.blade_row(20, 40, 16),
+        periodic="i",
+        each_wall=[Wall(face, height, lean_at_edges=True) for face in ("imin", "imax", "kmin")],
+        faces="respaced",
+    )
+    assert report.quality["points at walls as asked (%)"] > 90
+    assert report.quality["error of first heights (%)"] < 5 and report.quality["error of wall angles (degree)"] < 3
+    points = grid.points
+    blade = np.s_[17:24, 4:-4]  # three points away from both ends
+    for first, second in ((points[0], points[1]), (points[-1], points[-2])):
+        assert abs(np.linalg.norm(second - first, axis=-1)[blade] / height - 1).max() < 0.05
+    hub = np.linalg.norm(points[4:-4, 4:-4, 1] - points[4:-4, 4:-4, 0], axis=-1)
+    assert abs(hub / height - 1).max() < 0.05
+
+
+def test_walls_in_part_cannot_slide_and_few_alike_points_are_no_cut():
+    start = gallery.blade_row(8, 16, 6)
+    with pytest.raises(InvalidInput, match="sliding: imin is a wall in part only"):
+        mc.elliptic_volume(start, periodic="i", walls="imin", sliding=True)
+    moved = start.points.copy()
+    moved[-1, 2:] += 0.01 * np.random.default_rng(4).standard_normal(moved[-1, 2:].shape)
+    with pytest.raises(InvalidInput, match="needs imin and imax to be alike"):
+        mc.elliptic_volume(StructuredGrid(moved), periodic="i")
