@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
 from importlib import resources
 from typing import Any
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from . import io
 from .errors import InvalidInput
 from .geometry.curves import lines_through, polyline
-from .mesh import Mesh, StructuredGrid
+from .mesh import Mesh, MultiBlock, StructuredGrid
 from .operation import operations
 from .progress import Progress, advance, part_of, silent
 from .sizing.around_loop import respaced_loop
@@ -371,6 +373,107 @@ def cloud_in_a_ball(n: int = 200) -> Mesh:
     return Mesh(radius[:, None] * direction, {"vertex": np.arange(n)[:, None]})
 
 
+def bumpy_ball(n: int = 162, *, bump: float = 0.15) -> Mesh:
+    """Closed surface of triangles: a ball with bumps and hollows, ``n`` points spread evenly over it.
+
+    Examples
+    --------
+    >>> bumpy_ball(42)
+    Mesh(42 points, 80 triangle)
+    """
+    k = np.arange(n) + 0.5
+    polar, turn = np.arccos(1 - 2 * k / n), np.pi * (1 + 5**0.5) * k
+    ball = np.column_stack([np.cos(turn) * np.sin(polar), np.sin(turn) * np.sin(polar), np.cos(polar)])
+    hull = ConvexHull(ball)
+    outwards = np.einsum("ij,ij->i", hull.equations[:, :3], _normals(ball, hull.simplices)) > 0
+    triangles = np.where(outwards[:, None], hull.simplices, hull.simplices[:, [0, 2, 1]]).astype(np.int64)
+    x, y, z = ball.T
+    radius = 1 + bump * np.sin(3 * x) * np.sin(4 * y + 1) * np.cos(3 * z)
+    return Mesh(np.round(ball * radius[:, None] * 2**12) / 2**12, {"triangle": triangles})
+
+
+def bricks(filled: np.ndarray, *, size: float = 1.0) -> Mesh:
+    """Closed surface of quads around the cubes that an (ni, nj, nk) array of truth values fills.
+
+    Examples
+    --------
+    >>> bricks(np.ones((2, 2, 2), bool))
+    Mesh(26 points, 24 quad)
+    """
+    around, corners = np.pad(filled, 1), tuple(n + 1 for n in filled.shape)
+    quads = []
+    for axis, side in itertools.product(range(3), (-1, 1)):
+        cells = np.argwhere(filled)
+        beside = cells + 1
+        beside[:, axis] += side
+        outer = cells[~around[tuple(beside.T)]]
+        outer[:, axis] += side > 0
+        u, v = np.eye(3, dtype=int)[[(axis + 1) % 3, (axis + 2) % 3][::side]]
+        quads += [[np.ravel_multi_index((outer + step).T, corners) for step in (0 * u, u, u + v, v)]]
+    points = np.stack(np.unravel_index(np.arange(np.prod(corners)), corners), axis=-1).astype(float)
+    return Mesh(size * points, {"quad": np.concatenate([np.column_stack(q) for q in quads])}).compacted()
+
+
+def six_patches(n: int = 9) -> MultiBlock:
+    """A unit sphere of six patches of ``n`` by ``n`` points, three of which meet at each of eight corners.
+
+    Examples
+    --------
+    >>> six_patches(3).n_points
+    54
+    """
+    s = np.tan(np.linspace(-1, 1, n) * np.pi / 4)
+    a, b = np.meshgrid(s, s, indexing="ij")
+    patches = []
+    for axis, side in itertools.product(range(3), (-1, 1)):
+        cube = np.empty((n, n, 3))
+        cube[..., axis], cube[..., (axis + 1) % 3], cube[..., (axis + 2) % 3] = side, a, side * b
+        patches.append(StructuredGrid(cube / np.linalg.norm(cube, axis=-1, keepdims=True)))
+    return MultiBlock(tuple(patches))
+
+
+def wing_tip(chord: int = 40, span: int = 24, tip: int = 4) -> Mesh:
+    """Half a wing, open at its root in the plane z = 0: naca0012 without taper, its tip half a body of revolution.
+
+    Parameters
+    ----------
+    chord, span : int
+        Cells from the leading to the trailing edge, and from the root to the tip.
+    tip : int
+        Cells from the upper side over the tip to the middle.
+
+    Examples
+    --------
+    >>> wing_tip(8, 4, 2)
+    Mesh(95 points, 8 triangle, 80 quad)
+    """
+    x = 0.5 * (1 - np.cos(np.linspace(0, np.pi, chord + 1)))
+    half = 0.6 * (0.2969 * np.sqrt(x) - 0.126 * x - 0.3516 * x**2 + 0.2843 * x**3 - 0.1036 * x**4)
+    half[[0, -1]] = 0.0
+    z = 1.5 * np.sin(np.linspace(0, np.pi / 2, span + 1))
+    turn = np.linspace(0, np.pi, 2 * tip + 1)[1:-1]
+    # Round the wing: up to the tip, over it, and back to the root.
+    across = [np.ones_like(z), np.cos(turn), -np.ones_like(z)]
+    out = [np.outer(np.ones_like(half), z), 1.5 + np.outer(half, np.sin(turn)), np.outer(np.ones_like(half), z[::-1])]
+    y = np.outer(half, np.concatenate(across))
+    points = np.stack([np.broadcast_to(x[:, None], y.shape), y, np.concatenate(out, axis=1)], axis=-1)
+    return _without_repeats(StructuredGrid(points[::-1]).to_mesh())
+
+
+def _without_repeats(mesh: Mesh) -> Mesh:
+    """A mesh of quads with coincident points made one; quads that lose a corner become triangles, others go."""
+    points, number = np.unique(np.round(mesh.points, 12), axis=0, return_inverse=True)
+    quads = number.reshape(-1)[mesh.get("quad")]
+    corners = [list(dict.fromkeys(quad)) for quad in quads.tolist()]
+    kinds = {"triangle": [c for c in corners if len(c) == 3], "quad": [c for c in corners if len(c) == 4]}
+    return Mesh(points, {kind: np.array(cells) for kind, cells in kinds.items() if cells}).compacted()
+
+
+def _normals(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    a, b, c = points[triangles].transpose(1, 0, 2)
+    return np.cross(b - a, c - a)
+
+
 def arguments(identifier: str) -> tuple[tuple[Any, ...], dict[str, Any]]:
     """A small, typical call of an operation: positional inputs and keywords.
 
@@ -391,6 +494,7 @@ def arguments(identifier: str) -> tuple[tuple[Any, ...], dict[str, Any]]:
             (airfoil("naca0012"), circle(48, radius=2.0, centre=(0.5, 0.0))),
             {"first_height": 0.004, "growth": 1.25},
         ),
+        "hyperbolic_volume": ((bumpy_ball(),), {"first_height": 0.01, "layers": 10}),
         "o_grid": ((airfoil("naca0012"),), {"radius": 4.0, "first_height": 0.01, "growth": 1.3}),
         "c_grid": ((airfoil("naca0012"),), {"radius": 4.0, "first_height": 0.005, "growth": 1.3}),
         "elliptic_volume": ((dented_box(depth=0.6, bulge=0.1),), {"edges": "poisson", "spacing_kmin": 0.05}),

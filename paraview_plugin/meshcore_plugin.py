@@ -1658,6 +1658,102 @@ class meshcoreHyperbolicGrid(Operation):
 
 
 
+@smproxy.filter(name="meshcoreExtrudeHyperbolic", label="meshcore Extrude Hyperbolic", support_reload=False)
+@smhint.xml('<ShowInMenu category="meshcore"/>')
+@smproperty.xml(
+    """
+    <Documentation short_help="Extrude Hyperbolic">March layers of hexahedra and wedges off a surface, at right
+    angles and with given heights.</Documentation>
+    <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>The surface to march from: triangles and quads, closed or open.</Documentation>
+    </InputProperty>
+    <DoubleVectorProperty name="FirstHeight" label="First Height" command="SetFirstHeight" number_of_elements="1" default_values="-1" panel_visibility="default">
+      <BoundsDomain name="range" mode="scaled_extent" scale_factor="0.001"><RequiredProperties><Property name="Input" function="Input"/></RequiredProperties></BoundsDomain>
+      <Documentation>Height of the first layer; -1 takes 0.1% of the diagonal of the input's bounding
+      box.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="Growth" label="Growth" command="SetGrowth" number_of_elements="1" default_values="1.15" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="1" max="3"/>
+      <Documentation>Height of each layer over the one before.</Documentation>
+    </DoubleVectorProperty>
+    <IntVectorProperty name="Layers" label="Layers" command="SetLayers" number_of_elements="1" default_values="0" panel_visibility="default">
+      <IntRangeDomain name="range" min="0" max="500"/>
+      <Documentation>Layers; by default as many as the distance needs; 0 leaves it out.</Documentation>
+    </IntVectorProperty>
+    <DoubleVectorProperty name="Distance" label="Distance" command="SetDistance" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Sum of the heights; by default the surface's own size, or what layers make; 0 leaves it
+      out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="LargestHeight" label="Largest Height" command="SetLargestHeight" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Heights grow up to this; by default without limit; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <IntVectorProperty name="OtherSide" label="Other Side" command="SetOtherSide" number_of_elements="1" default_values="0" panel_visibility="default">
+      <BooleanDomain name="bool"/>
+      <Documentation>March into a closed surface, or to the back of an open one.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="Edges" label="Edges" command="SetEdges" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="automatic"/><Entry value="1" text="free"/><Entry value="2" text="plane"/><Entry value="3" text="constant x"/><Entry value="4" text="constant y"/><Entry value="5" text="constant z"/><Entry value="6" text="splay"/></EnumerationDomain>
+      <Documentation>What edges of an open surface do: planes of symmetry found, or all alike.</Documentation>
+    </IntVectorProperty>
+    <DoubleVectorProperty name="Splay" label="Splay" command="SetSplay" number_of_elements="1" default_values="15.0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0" max="80"/>
+      <Documentation>By how much edges that splay lean outwards, in degrees.</Documentation>
+    </DoubleVectorProperty>
+    <PropertyGroup label="Layers">
+      <Property name="FirstHeight"/>
+      <Property name="Growth"/>
+      <Property name="Layers"/>
+      <Property name="Distance"/>
+      <Property name="LargestHeight"/>
+    </PropertyGroup>
+    <PropertyGroup label="Parameters">
+      <Property name="OtherSide"/>
+    </PropertyGroup>
+    <PropertyGroup label="Edges">
+      <Property name="Edges"/>
+      <Property name="Splay"/>
+    </PropertyGroup>
+    """
+)
+class meshcoreExtrudeHyperbolic(Operation):
+    operation = "hyperbolic_volume"
+    label = "meshcore Extrude Hyperbolic"
+    ports = (("surface", "either", False),)
+    output = "vtkUnstructuredGrid"
+
+    def SetFirstHeight(self, value):
+        self.set("first_height", value if value > 0 else BY_DEFAULT)
+
+    def SetGrowth(self, value):
+        self.set("growth", value)
+
+    def SetLayers(self, value):
+        self.set("layers", value or None)
+
+    def SetDistance(self, value):
+        self.set("distance", value or None)
+
+    def SetLargestHeight(self, value):
+        self.set("largest_height", value or None)
+
+    def SetOtherSide(self, value):
+        self.set("other_side", bool(value))
+
+    def SetEdges(self, value):
+        self.set("edges", ('automatic', 'free', 'plane', 'constant x', 'constant y', 'constant z', 'splay')[value])
+
+    def SetSplay(self, value):
+        self.set("splay", value)
+
+
+
 @smproxy.filter(name="meshcoreOGrid", label="meshcore O Grid", support_reload=False)
 @smhint.xml('<ShowInMenu category="meshcore"/>')
 @smproperty.xml(

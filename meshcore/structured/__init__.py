@@ -9,6 +9,7 @@ from .elliptic_volume import elliptic_volume
 from .finite_volumes import FiniteVolumes
 from .halo import Halo, with_halo
 from .hyperbolic import hyperbolic
+from .hyperbolic_volume import hyperbolic_volume
 from .metrics import Metrics
 from .o_grid import o_grid
 from .parabolic import parabolic
@@ -28,6 +29,7 @@ __all__ = [
     "elliptic_volume",
     "elliptically_smoothed",
     "hyperbolic",
+    "hyperbolic_volume",
     "o_grid",
     "parabolic",
     "transfinite",

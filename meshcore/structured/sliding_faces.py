@@ -8,7 +8,7 @@ import numpy as np
 from scipy.fft import dstn, idstn
 
 from ..geometry.surfaces import SplineSurface
-from .winslow_surface import corner_areas
+from .surface_levels import corner_areas
 
 if TYPE_CHECKING:
     from .face_measures import FaceMeasures
