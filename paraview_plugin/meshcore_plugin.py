@@ -2258,6 +2258,10 @@ class meshcoreTransfiniteInterpolation(Operation):
       <Documentation>By the edges' lengths, by counts of cells, or smooth and at right angles with the
       faces.</Documentation>
     </IntVectorProperty>
+    <IntVectorProperty name="Cure" label="Cure" command="SetCure" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="none"/><Entry value="1" text="sides"/><Entry value="2" text="smoothing"/><Entry value="3" text="automatic"/></EnumerationDomain>
+      <Documentation>What may be done about folded cells (overspill).</Documentation>
+    </IntVectorProperty>
     <DoubleVectorProperty name="Tolerance" label="Tolerance" command="SetTolerance" number_of_elements="1" default_values="-1" panel_visibility="advanced">
       <BoundsDomain name="range" mode="scaled_extent" scale_factor="1e-06"><RequiredProperties><Property name="Input" function="Input"/></RequiredProperties></BoundsDomain>
       <Documentation>Largest gap between edges that is closed; -1 takes 0.0001% of the diagonal of the input's
@@ -2268,6 +2272,7 @@ class meshcoreTransfiniteInterpolation(Operation):
       <Property name="CellsJ"/>
       <Property name="CellsK"/>
       <Property name="Blending"/>
+      <Property name="Cure"/>
     </PropertyGroup>
     <PropertyGroup label="Spacing">
       <Property name="SpacingImin"/>
@@ -2321,6 +2326,9 @@ class meshcoreTransfiniteVolume(Operation):
 
     def SetBlending(self, value):
         self.set("blending", ('arc length', 'linear', 'cubic')[value])
+
+    def SetCure(self, value):
+        self.set("cure", ('none', 'sides', 'smoothing', 'automatic')[value])
 
     def SetTolerance(self, value):
         self.set("tolerance", value if value >= 0 else BY_DEFAULT)

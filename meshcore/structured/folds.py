@@ -12,6 +12,7 @@ from .control_functions import poles
 
 FLAT = 1e-12
 """Sine of a corner's angle below which the corner counts as flat: round-off of coordinates near 1."""
+_HAIR = 1e-6  # degrees that rounding may make of a straight angle
 CREASE = -0.5
 """Cosine between neighbouring cells' normals below which one of the two is taken to be turned over."""
 
@@ -42,9 +43,7 @@ def folded_cells(points: np.ndarray) -> np.ndarray:
     array([[False],
            [ True]])
     """
-    loop = np.concatenate([points[:-1, 0], points[-1, :-1], points[:0:-1, -1], points[0, :0:-1]])
-    area = 0.5 * np.cross(loop, np.roll(loop, -1, axis=0)).sum(axis=0)
-    normal = _plane_normal(points, area)
+    normal = _plane_normal(points, _area(points))
     return _folded_in_space(points) if normal is None else _folded_in_plane(points, normal)
 
 
@@ -57,10 +56,38 @@ def refuse_folds(grid: StructuredGrid, cure: str, folded: np.ndarray | None = No
     x, y, z = grid.points[i, j, 0]
     raise GenerationFailed(
         f"{folded.sum()} of {folded.size} cells are folded or flat, the first at i = {i}, j = {j} "
-        f"near ({x:.6g}, {y:.6g}, {z:.6g}); {cure}",
+        f"near ({x:.6g}, {y:.6g}, {z:.6g}); {_at_corner(grid, folded)}{cure}",
         cells=np.flatnonzero(folded.ravel(order="F")),
         partial=grid,
     )
+
+
+def _at_corner(grid: StructuredGrid, folded: np.ndarray) -> str:
+    """Which corner of the grid has an angle that makes its cell folded whatever stands inside, if one has."""
+    points, worst, text = grid.points[:, :, 0], 180.0 - _HAIR, ""
+    if any(grid.periodic):
+        return text
+    normal = _area(points)
+    for i, j in ((0, 0), (-1, 0), (-1, -1), (0, -1)):
+        along_i, along_j = points[1 if i == 0 else -2, j] - points[i, j], points[i, 1 if j == 0 else -2] - points[i, j]
+        turn = float(np.cross(along_i, along_j) @ normal) * (1 if i == j else -1)
+        angle = np.degrees(np.arctan2(turn, float(along_i @ along_j) * np.linalg.norm(normal))) % 360
+        if folded[i, j] and angle >= worst:
+            faces = ("jmin", "south") if j == 0 else ("jmax", "north"), ("imin", "west") if i == 0 else ("imax", "east")
+            names = " and ".join(grid.names.get(face, side) for face, side in faces)
+            x, y, z = points[i, j]
+            worst = angle
+            text = (
+                f"at the corner of {names}, ({x:.6g}, {y:.6g}, {z:.6g}), the boundary makes an angle of {angle:.0f} "
+                "degrees inside the grid, where no cell can be sound: blocks have to be split there; "
+            )
+    return text
+
+
+def _area(points: np.ndarray) -> np.ndarray:
+    """The area vector of a grid's boundary."""
+    loop = np.concatenate([points[:-1, 0], points[-1, :-1], points[:0:-1, -1], points[0, :0:-1]])
+    return 0.5 * np.cross(loop, np.roll(loop, -1, axis=0)).sum(axis=0)
 
 
 def _corner_edges(points: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:

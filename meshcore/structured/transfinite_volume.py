@@ -5,21 +5,23 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 from itertools import product
 from typing import Annotated, Literal, Union
 
 import numpy as np
 
-from ..errors import InvalidGeometry, InvalidInput
+from ..errors import GenerationFailed, InvalidGeometry, InvalidInput
 from ..geometry.curves import Curve, chains, polyline
 from ..mesh import Mesh, StructuredGrid
 from ..operation import Length, Param, Port, Relative, absolute, operation
-from ..progress import Progress, advance, silent
-from ..quality import summary, validate
+from ..progress import Progress, advance, part_of, silent
+from ..quality import measure, summary, validate
 from ..report import Report, Result
 from ..threads import available_threads, checked_threads, in_parts
 from . import _transfinite_kernels as kernels
 from .blending import NEAR, Blending, Direction, boolean_sum
+from .block_corners import refuse_corners
 from .block_edges import Asked, arranged, refuse_unequal, spanned
 from .block_faces import AXES, PLACES, BlockFaces, across, end
 from .block_parameters import (
@@ -34,8 +36,10 @@ from .block_parameters import (
     SpacingKMinParam,
 )
 from .limits import check_extent
+from .overspill_volume import Cure, cured
 from .quad_nets import cage_of, patch_of
 from .sides import fractions_of
+from .winslow_3d import count_folded
 
 Law = Literal[
     "as given", "uniform", "geometric", "hyperbolic tangent", "hyperbolic sine", "cosine", "curvature", "poisson"
@@ -44,6 +48,10 @@ Face = Union[Mesh, StructuredGrid, np.ndarray]
 """A face of a block: a surface grid, (n, m, 3) points, or a mesh of quads in rows and columns."""
 _FACE = "quads in rows and columns"
 _WHOLE = "imin"
+_CURE = (
+    "space the points of opposite edges alike, ask for a cure, or cut the block there, above all where its boundary "
+    "turns by 180 degrees or more"
+)
 _FEWEST = 32
 """Layers of a block below which threads cost more than they save."""
 
@@ -74,6 +82,7 @@ def transfinite_volume(
         Blending,
         Param("By the edges' lengths, by counts of cells, or smooth and at right angles with the faces"),
     ] = "arc length",
+    cure: Annotated[Cure, Param("What may be done about folded cells (overspill)")] = "none",
     tolerance: Annotated[Length, Param("Largest gap between edges that is closed", min=0, advanced=True)] = (
         Relative(1e-6)
     ),
@@ -112,6 +121,11 @@ def transfinite_volume(
         tangent where a size at an end is asked for.
     blending : {"arc length", "linear", "cubic"}
         Blending functions, as in `transfinite`.
+    cure : {"none", "sides", "smoothing", "automatic"}
+        What may be done where cells fold: move the points along the edges, to stand alike on those side by side, and
+        with them those of the faces on these, which may also be smoothed; smooth the inside by the Laplace equations;
+        or all in turn. Faces stay as they are if smoothing alone may be done. Not where slopes or surfaces inside are
+        given, which would be lost. The report tells what was done.
     tolerance : Length
         Edges of faces, and ends of edges, that are no farther apart than this are joined.
     slopes : dict of str to (n, m, 3) float, optional
@@ -162,11 +176,16 @@ def transfinite_volume(
     block = _block(read, asked, blending, absolute(tolerance, diagonal))
     advance(progress, 0.2, "interpolating")
     points = _points(block, blending, slopes, surfaces, threads)
-    advance(progress, 0.5, "checking the grid")
+    done = []
+    if cure != "none" and count_folded(points) and not (slopes or surfaces):
+        redo = partial(_points, blending=blending, slopes=None, surfaces=None, threads=threads)
+        points, done = cured(block, points, cure, redo, threads=threads, progress=part_of(progress, 0.3, 0.9))
+    advance(progress, 0.9, "checking the grid")
     grid = StructuredGrid(points, names=block.names)
+    _refuse_folds(grid, done)
     validate(grid)
     counts = {"points": grid.n_points, "hexahedra": grid.n_cells}
-    return Result(grid, Report(counts=counts, quality=summary(grid), warnings=block.warnings))
+    return Result(grid, Report(counts=counts, quality=summary(grid), warnings=block.warnings + done))
 
 
 def interpolated_volume(
@@ -237,6 +256,22 @@ def interpolated_volume(
     for place, face in zip(PLACES, given, strict=True):  # to the last bit
         np.moveaxis(points, AXES.index(place[0]), 0)[-1 if place.endswith("max") else 0] = face
     return points
+
+
+def _refuse_folds(grid: StructuredGrid, done: list[str]) -> None:
+    if not count_folded(grid.points):
+        return
+    refuse_corners(grid)
+    folded = np.flatnonzero((measure(grid, "jacobian") <= 0).ravel(order="F"))
+    i, j, k = np.unravel_index(folded[0], grid.cell_shape, order="F")
+    x, y, z = grid.points[i, j, k]
+    tried = "".join(f"{what}, " for what in done) + "which did not suffice; " if done else ""
+    raise GenerationFailed(
+        f"{len(folded)} of {grid.n_cells} cells are folded or flat, the first at i = {i}, j = {j}, k = {k} "
+        f"near ({x:.6g}, {y:.6g}, {z:.6g}); {tried}{_CURE}",
+        cells=folded,
+        partial=grid,
+    )
 
 
 def _refuse_without_cubic(slopes: Mapping[str, np.ndarray] | None, blending: str) -> None:

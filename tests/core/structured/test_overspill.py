@@ -132,3 +132,29 @@ def test_reversed_sides_are_turned_and_told():
     assert (grid.points == plain.points).all() and not quiet.warnings
     assert report.warnings == [f"{name} ran the other way and was reversed" for name in ("east", "north")]
     assert arc_length(grid.points[:, -1, 0])[-1] == arc_length(north)[-1]
+
+
+@pytest.mark.parametrize(("make", "height"), [(mc.transfinite, 0.0), (mc.elliptic, 0.0), (mc.elliptic, 0.3)])
+def test_a_corner_of_270_degrees_is_named(make, height):
+    """Of an L whose inner corner is taken as a corner of the block; flat and curved."""
+    t, half = np.linspace(0, 1, 9)[:, None], np.linspace(0, 1, 5)[:, None]
+
+    def line(a, b, at=t):
+        return np.array(a, float) + at * (np.array(b, float) - a)
+
+    south, west = line((1, 1), (2, 1)), line((1, 1), (1, 0))
+    east = np.concatenate([line((2, 1), (2, 2), half)[:-1], line((2, 2), (0, 2), half)])
+    north = np.concatenate([line((1, 0), (0, 0), half)[:-1], line((0, 0), (0, 2), half)])
+    south, east, north, west = (
+        np.column_stack([side, height * side[:, 0] ** 2]) for side in (south, east, north, west)
+    )
+    for sides, names in (
+        ((south, east, north, west), "south and west"),
+        ((west[::-1], south, east[::-1], north[::-1]), "south and east"),
+        ((north[::-1], west[::-1], south[::-1], east[::-1]), "north and east"),
+        ((east, north, west, south), "north and west"),
+    ):
+        with pytest.raises(GenerationFailed, match="angle of 270 degrees inside the grid") as error:
+            make(*sides)
+        assert f"at the corner of {names}, (1, 1," in str(error.value), names
+        assert "blocks have to be split there" in str(error.value)

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import meshcore as mc
-from meshcore import gallery
+from meshcore import gallery, quality
 from meshcore.errors import Cancelled, GenerationFailed, InvalidGeometry, InvalidInput
 from meshcore.geometry.curves import lines_through
 from meshcore.sizing import geometric
@@ -369,7 +369,7 @@ def test_overspill_is_refused_with_its_place():
     points = bent_block(10, 9, 8)
     faces = {name: face.copy() for name, face in faces_of(points).items()}
     faces["kmin"][2:8, 2:7, 2] += 3.0  # the floor pushed through the roof
-    with pytest.raises(GenerationFailed, match="not positively oriented") as caught:
+    with pytest.raises(GenerationFailed, match="folded or flat, the first at i = 1") as caught:
         mc.transfinite_volume(**faces)
     assert caught.value.cells and isinstance(caught.value.partial, mc.StructuredGrid)
 
@@ -394,3 +394,71 @@ def test_edges_too_different_to_be_blended_by_length():
 def test_stops_when_told():
     with pytest.raises(Cancelled):
         mc.transfinite_volume(gallery.twisted_cage(), progress=lambda fraction, message: False)
+
+
+def bulb(n=12):
+    return gallery.dented_box(n, depth=0.3, bulge=0.1)
+
+
+@pytest.mark.parametrize("cure", ["sides", "smoothing", "automatic"])
+def test_overspill_in_a_block_is_cured_and_told(cure):
+    with pytest.raises(GenerationFailed, match=r"folded or flat, .* ask for a cure"):
+        mc.transfinite_volume(bulb(), blending="linear")
+    grid, report = mc.transfinite_volume(bulb(), blending="linear", cure=cure)
+    assert any(text.startswith("overspill: ") for text in report.warnings)
+    assert (quality.measure(grid, "scaled_jacobian") > 0).all()
+    sound, report = mc.transfinite_volume(gallery.dented_box(), cure=cure)
+    assert not report.warnings and np.array_equal(sound.points, mc.transfinite_volume(gallery.dented_box()).mesh.points)
+
+
+def test_smoothing_keeps_the_faces_to_the_last_bit():
+    with pytest.raises(GenerationFailed) as error:
+        mc.transfinite_volume(bulb(), blending="linear")
+    start = error.value.partial.points
+    points = mc.transfinite_volume(bulb(), blending="linear", cure="smoothing").mesh.points
+    for axis in range(3):
+        for end in (0, -1):
+            assert np.array_equal(points.take(end, axis), start.take(end, axis))
+
+
+def test_edges_of_unlike_parameters_are_made_alike():
+    """Points crowd to the left below and to the right above: lines cross over a ridge between."""
+    u, v, w = np.meshgrid(*[np.linspace(0, 1, 13)] * 3, indexing="ij")
+    x = u + 0.95 * u * (1 - u) * (1 - 2 * w)
+    z = w * (0.12 + 0.0 * x) + 1.2 * np.exp(-(((x - 0.5) / 0.2) ** 2))
+    block = np.stack([x, v, z], axis=-1)
+    faces = [block[0], block[-1], block[:, 0], block[:, -1], block[:, :, 0], block[:, :, -1]]
+    with pytest.raises(GenerationFailed, match="folded or flat"):
+        mc.transfinite_volume(*faces, blending="linear")
+    grid, report = mc.transfinite_volume(*faces, blending="linear", cure="sides")
+    assert report.warnings[0].startswith("overspill: points of")
+    assert (quality.measure(grid, "scaled_jacobian") > 0).all()
+
+
+def test_what_cannot_be_cured_in_a_block_is_refused_with_its_place():
+    """An edge at which the boundary turns by 270 degrees is named, whatever is asked for."""
+    t = np.linspace(0, 1, 9)[:, None]
+    half = np.linspace(0, 1, 5)[:, None]
+
+    def line(a, b, at=t):
+        return np.array(a, float) + at * (np.array(b, float) - a)
+
+    sides = [line((1, 1), (2, 1)), np.concatenate([line((2, 1), (2, 2), half)[:-1], line((2, 2), (0, 2), half)])]
+    sides += [np.concatenate([line((1, 0), (0, 0), half)[:-1], line((0, 0), (0, 2), half)]), line((1, 1), (1, 0))]
+    with pytest.raises(GenerationFailed) as error:
+        mc.transfinite(*sides)
+    flat = error.value.partial.points
+    block = np.concatenate([flat + [0, 0, height] for height in np.linspace(0, 1, 5)], axis=2)
+    faces = [block[0], block[-1], block[:, 0], block[:, -1], block[:, :, 0], block[:, :, -1]]
+    for cure in ("none", "automatic"):
+        with pytest.raises(GenerationFailed, match=r"boundary turns by 270 degrees at the .* of imin.* jmin") as error:
+            mc.transfinite_volume(*faces, cure=cure)
+        assert "cut the block there" in str(error.value) and len(error.value.cells)
+
+
+def test_slopes_and_surfaces_are_not_cured_away():
+    with pytest.raises(GenerationFailed, match="folded or flat"):
+        grid = mc.transfinite_volume(gallery.dented_box()).mesh.points
+        crossed = grid[:, :, 4].copy()
+        crossed[3:-3, 3:-3, 2] = -0.5
+        mc.transfinite_volume(gallery.dented_box(), surfaces={("k", 4): crossed}, cure="automatic")
