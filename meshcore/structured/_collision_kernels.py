@@ -17,62 +17,96 @@ SLOWEST = 0.02
 
 
 @kernel
-def collisions(r, t, turned, h, closed, strength, shrink, spare, spare2):
+def collisions(r, t, turned, h, closed, strength, shrink, found, slower):
     """Dissipation against fronts that are about to meet, and by how much heights shrink, at each point.
 
-    A pair of points, m before and m behind a third, faces each other across a bay if their normals point at each other
-    and the front turns left between them; heights over the gap tell how many layers are left until they meet. The
-    window's points then need a dissipation like m^2, to be drawn out of the bay in a few layers: diffusion along the
-    index takes m points in a time of m^2. Windows double from level to level, and hand what they found to the two
-    halves of theirs.
+    Windows of m points before and m behind a point are looked at for m = 5, 6, 7, 8 times the powers of two, and for 1,
+    2 and 4; from the largest on, each hands what was found to the two halves of it.
     """
     n = h.size - 4
-    m = 1
-    while 4 * m <= n:
-        m *= 2
     for k in range(n + 4):
-        spare[k] = 0.0
-        spare2[k] = 1.0
-    while m >= 1:
-        for k in range(2, n + 2):
-            a, b = k - m, k + m
-            wrap = 0.0
-            if closed:
-                if a < 2:
-                    a += n
-                    wrap = turned[n + 1] + 0.0
-                if b >= n + 2:
-                    b -= n
-                    wrap = turned[n + 1] + 0.0
-            elif a < 2 or b >= n + 2:
-                continue
-            x, y = r[0, b] - r[0, a], r[1, b] - r[1, a]
-            one = -t[1, a] * x + t[0, a] * y
-            other = t[1, b] * x - t[0, b] * y
-            if one > 0 and other > 0 and turned[b] - turned[a] + wrap > 0:
-                left = (x * x + y * y) / (one * h[a] + other * h[b] + TINY)
-                if left < LAYERS_AHEAD:
-                    urgency = min(LAYERS_AHEAD / left - 1, 4.0)
-                    spare[k] = max(spare[k], DRAW * m * m * urgency)
-                    gap = math.sqrt(x * x + y * y) + TINY
-                    facing = min(1.0, max(0.0, (min(one, other) / gap - FACING) / (1 - FACING)))
-                    slower = max(SLOWEST, min(1.0, left / SLOW))
-                    spare2[k] = min(spare2[k], 1 - facing * (1 - slower))
-        half = m // 2
-        for k in range(2, n + 2):
-            strength[k] = spare[k]
-            shrink[k] = spare2[k]
-        if half:
-            for k in range(2, n + 2):
-                if spare[k] > 0 or spare2[k] < 1:
-                    for to in (k - half, k + half):
-                        if closed:
-                            to = to + n if to < 2 else to - n if to >= n + 2 else to
-                        elif to < 2 or to >= n + 2:
-                            continue
-                        strength[to] = max(strength[to], spare[k])
-                        shrink[to] = min(shrink[to], spare2[k])
-            for k in range(2, n + 2):
-                spare[k] = strength[k]
-                spare2[k] = shrink[k]
-        m = half
+        strength[k], shrink[k] = 0.0, 1.0
+    for first in range(5, 9):
+        m = first
+        while 4 * m < n:
+            m *= 2
+        for k in range(n + 4):
+            found[k], slower[k] = 0.0, 1.0
+        any_found = False
+        while m >= (1 if first == 8 else 5):
+            if 2 * m < n:
+                any_found |= look_across(m, r, t, turned, h, closed, found, slower)
+                if any_found:
+                    for k in range(2, n + 2):
+                        strength[k], shrink[k] = max(strength[k], found[k]), min(shrink[k], slower[k])
+                    hand_down(max(1, m // 2), closed, found, slower, strength, shrink)
+            m //= 2
+    closing_edges(r, t, h, closed, strength)
+
+
+@kernel
+def look_across(m, r, t, turned, h, closed, strength, shrink):
+    """Look at each window of m points to either side: do its ends face each other, and how soon do they meet?
+
+    They do if their normals point at each other and the front turns left between them; the gap over the heights tells
+    how many layers are left. The window's points then need a dissipation like m^2, to be drawn out of the bay in a few
+    layers: diffusion along the index takes m points in a time of m^2.
+    """
+    n = h.size - 4
+    any_found = False
+    for k in range(2, n + 2):
+        a, b, wrap = k - m, k + m, 0.0
+        if closed:
+            if a < 2:
+                a, wrap = a + n, turned[n + 1]
+            elif b >= n + 2:
+                b, wrap = b - n, turned[n + 1]
+        elif a < 2 or b >= n + 2:
+            continue
+        x, y = r[0, b] - r[0, a], r[1, b] - r[1, a]
+        square, near = x * x + y * y, LAYERS_AHEAD * (h[a] + h[b])
+        if square >= near * near:
+            continue
+        one, other = t[0, a] * y - t[1, a] * x, t[1, b] * x - t[0, b] * y
+        if one > 0 and other > 0 and turned[b] - turned[a] + wrap > 0:
+            left = square / (one * h[a] + other * h[b] + TINY)
+            if left < LAYERS_AHEAD:
+                any_found = True
+                urgency = min(LAYERS_AHEAD / left - 1, 4.0)
+                strength[k] = max(strength[k], DRAW * m * m * urgency)
+                gap = math.sqrt(square) + TINY
+                facing = min(1.0, max(0.0, (min(one, other) / gap - FACING) / (1 - FACING)))
+                slower = max(SLOWEST, min(1.0, left / SLOW))
+                shrink[k] = min(shrink[k], 1 - facing * (1 - slower))
+    return any_found
+
+
+@kernel
+def hand_down(half, closed, found, slower, strength, shrink):
+    """Give what windows of 2 ``half`` points to either side found to those that are their halves, and to the result."""
+    n = found.size - 4
+    for k in range(2, n + 2):
+        if found[k] > 0:
+            for to in (k - half, k + half):
+                if closed:
+                    to = to + n if to < 2 else to - n if to >= n + 2 else to
+                elif to < 2 or to >= n + 2:
+                    continue
+                strength[to], shrink[to] = max(strength[to], found[k]), min(shrink[to], slower[k])
+    for k in range(2, n + 2):
+        found[k], slower[k] = strength[k], shrink[k]
+
+
+@kernel
+def closing_edges(r, t, h, closed, strength):
+    """Dissipation at both ends of edges that are about to vanish, as the lines that leave them run together."""
+    n = h.size - 4
+    for a in range(2, n + 2 if closed else n + 1):
+        b = a + 1 if a < n + 1 else 2
+        x, y = r[0, b] - r[0, a], r[1, b] - r[1, a]
+        closing = x * (h[b] * t[1, b] - h[a] * t[1, a]) - y * (h[b] * t[0, b] - h[a] * t[0, a])
+        if closing > 0:
+            left = (x * x + y * y) / closing
+            if left < LAYERS_AHEAD:
+                needed = DRAW * min(LAYERS_AHEAD / left - 1, 4.0)
+                strength[a], strength[b] = max(strength[a], needed), max(strength[b], needed)

@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import InvalidGeometry, InvalidInput
+from ..geometry.curves import turning
 from ..progress import Progress, advance, silent
 from ..quality.embedding import overlaps
-from ..sizing.around_loop import turning
 from . import _hyperbolic_kernels as kernels
 from . import _marching_front_kernels as fronts
 from .marching_ends import Conditions, End, Free, as_numbers
