@@ -60,6 +60,50 @@ def hyperbolic_step(front, height, base):
     return front + d
 
 
+def windows(front, normals, heights, left_turns):
+    """(strength, shrink) of each window (m, k) of a closed front whose ends face each other."""
+    n, found = len(front), {}
+    for m in window_sizes(n):
+        for k in range(n):
+            a, b = (k - m) % n, (k + m) % n
+            across = front[b] - front[a]
+            one, other = normals[a] @ across, -(normals[b] @ across)
+            turned = sum(left_turns[(a + q) % n] for q in range(1, 2 * m + 1))
+            if one <= 0 or other <= 0 or turned <= 0:
+                continue
+            left = across @ across / (one * heights[a] + other * heights[b])
+            if left < 16:
+                facing = np.clip((min(one, other) / np.linalg.norm(across) - 0.5) / 0.5, 0, 1)
+                slower = 1 - facing * (1 - np.clip(left / 5, 0.02, 1))
+                found[m, k] = 0.25 * m * m * min(16 / left - 1, 4), slower
+    return found
+
+
+def window_sizes(n):
+    """Windows that fit into a closed front: 5, 6, 7, 8 times powers of two, and 1, 2, 4."""
+    sizes = {1, 2, 4} | {first * 2**q for first in (5, 6, 7, 8) for q in range(20)}
+    return sorted(m for m in sizes if 2 * m < n)
+
+
+def handed_down(found, n):
+    """(n,) strengths and shrinkings when each window gives to those of half its size around it, down to points."""
+    strength, shrink = np.zeros(n), np.ones(n)
+
+    def give(m, k, value, least):
+        strength[k], shrink[k] = max(strength[k], value[0]), min(shrink[k], value[1])
+        for way in (-1, 1):
+            to = (k + way * max(1, 3 * m // 4)) % n
+            strength[to], shrink[to] = max(strength[to], value[0]), min(shrink[to], value[1])
+        if m // 2 >= least:
+            for to in (k - max(1, 3 * m // 4), k, k + max(1, 3 * m // 4)):
+                give(m // 2, to % n, value, least)
+
+    for (m, k), value in found.items():
+        power_of_two = m & (m - 1) == 0
+        give(m, k, value, 1 if power_of_two else 5)
+    return strength, shrink
+
+
 def crossings(front, closed):
     """Whether two edges of a front that do not touch each other cross."""
     n = len(front)

@@ -17,13 +17,16 @@ SLOWEST = 0.02
 
 
 @kernel
-def collisions(r, t, turned, h, closed, strength, shrink, found, slower):
+def collisions(r, t, turned, h, closed, strength, shrink, scratch):
     """Dissipation against fronts that are about to meet, and by how much heights shrink, at each point.
 
     Windows of m points before and m behind a point are looked at for m = 5, 6, 7, 8 times the powers of two, and for 1,
-    2 and 4; from the largest on, each hands what was found to the two halves of it.
+    2 and 4; from the largest on, each hands what was found to windows of half its size, in it and a quarter beyond it,
+    and so in the end to its points. ``turned`` is how far the front has turned to the left up to each point;
+    ``scratch`` has four rows.
     """
     n = h.size - 4
+    found, slower = scratch[0], scratch[1]
     for k in range(n + 4):
         strength[k], shrink[k] = 0.0, 1.0
     for first in range(5, 9):
@@ -37,10 +40,11 @@ def collisions(r, t, turned, h, closed, strength, shrink, found, slower):
             if 2 * m < n:
                 any_found |= look_across(m, r, t, turned, h, closed, found, slower)
                 if any_found:
-                    for k in range(2, n + 2):
-                        strength[k], shrink[k] = max(strength[k], found[k]), min(shrink[k], slower[k])
-                    hand_down(max(1, m // 2), closed, found, slower, strength, shrink)
+                    hand_down(max(1, 3 * m // 4), closed, scratch)
             m //= 2
+        if any_found:
+            for k in range(2, n + 2):
+                strength[k], shrink[k] = max(strength[k], found[k]), min(shrink[k], slower[k])
     closing_edges(r, t, h, closed, strength)
 
 
@@ -82,19 +86,22 @@ def look_across(m, r, t, turned, h, closed, strength, shrink):
 
 
 @kernel
-def hand_down(half, closed, found, slower, strength, shrink):
-    """Give what windows of 2 ``half`` points to either side found to those that are their halves, and to the result."""
+def hand_down(away, closed, scratch):
+    """Give what windows found, rows 0 and 1, to those that are ``away`` points before and behind, too."""
+    found, slower, below, slower_below = scratch[0], scratch[1], scratch[2], scratch[3]
     n = found.size - 4
     for k in range(2, n + 2):
+        below[k], slower_below[k] = found[k], slower[k]
+    for k in range(2, n + 2):
         if found[k] > 0:
-            for to in (k - half, k + half):
+            for to in (k - away, k + away):
                 if closed:
                     to = to + n if to < 2 else to - n if to >= n + 2 else to
                 elif to < 2 or to >= n + 2:
                     continue
-                strength[to], shrink[to] = max(strength[to], found[k]), min(shrink[to], slower[k])
+                below[to], slower_below[to] = max(below[to], found[k]), min(slower_below[to], slower[k])
     for k in range(2, n + 2):
-        found[k], slower[k] = strength[k], shrink[k]
+        found[k], slower[k] = below[k], slower_below[k]
 
 
 @kernel

@@ -42,21 +42,9 @@ PARABOLIC = 1.0  # weight of the elliptic equation's r_xixi |r_eta|^2 / |r_xi|^2
 FLAT = 1e-9  # sine of a corner's angle below which a cell counts as folded
 SOUND = 0.05  # sine from which on a layer is taken as it is
 ATTEMPTS = 7  # each with twice as many steps
-# Rows of the scratch array, of n + 4 columns.
-TANGENT, SPACING, TURN, HEIGHT, DISSIPATION, TURNED, SPARE, SPARE_2, BOOST, ASKED, CORNERS = (
-    0,
-    2,
-    3,
-    4,
-    5,
-    6,
-    7,
-    8,
-    9,
-    10,
-    11,
-)
-START, BEST, PIN, LEAD, TOWARDS, ROWS = 12, 14, 16, 18, 19, 21
+# Rows of the scratch array, of n + 4 columns; those of vectors and SPARE are the first of two and of four.
+SPACING, TURN, HEIGHT, DISSIPATION, TURNED, BOOST, ASKED, CORNERS, LEAD = range(9)
+TANGENT, START, BEST, PIN, TOWARDS, SPARE, ROWS = 9, 11, 13, 15, 17, 19, 23
 
 
 @kernel
@@ -255,7 +243,7 @@ def dissipation(r, kind, base, scratch):
     for k in range(2, n + 2):
         run += turn[k]
         turned[k] = run
-    collisions(r, t, turned, asked, kind[0] == CLOSED, e, h, spare, scratch[SPARE_2])
+    collisions(r, t, turned, asked, kind[0] == CLOSED, e, h, scratch[SPARE : SPARE + 4])
     smoothed(e, spare, kind, SPREAD)
     for k in range(2, n + 2):
         h[k] *= asked[k]

@@ -6,9 +6,10 @@ import pytest
 import meshcore as mc
 from meshcore import gallery
 from meshcore.errors import Cancelled, GenerationFailed, InvalidGeometry, InvalidInput
-from meshcore.geometry.curves import polyline
+from meshcore.geometry.curves import polyline, turning
 from meshcore.sizing.around_loop import respaced_loop
 from meshcore.structured._block_tridiagonal_kernels import solve
+from meshcore.structured._collision_kernels import collisions
 from meshcore.structured.hyperbolic_march import Dissipation, layer_heights, marched
 from meshcore.structured.marching_ends import Along, Mirror, OnCurve, Splay
 from tests import naive_marching as naive
@@ -87,6 +88,26 @@ def test_symmetric_sections_give_symmetric_grids():
     points = marched(front, layer_heights(1e-4, 1.15, layers=80), closed=True).points
     mirrored = np.roll(points[::-1], 1, axis=0) * [1, -1]
     assert np.abs(points - mirrored).max() < 1e-9 * np.abs(points).max()
+
+
+def test_fronts_about_to_meet_are_found_as_all_windows_find_them():
+    front = np.ascontiguousarray(horseshoe(0.35, 0.9, 90))
+    n = len(front)
+    after = np.roll(front, -1, axis=0) - front
+    normals = np.column_stack([-after[:, 1], after[:, 0]]) + np.roll(np.column_stack([-after[:, 1], after[:, 0]]), 1, 0)
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    turn = turning(front)
+    heights = np.full(n, 0.06)
+    expected = naive.handed_down(naive.windows(front, normals, heights, turn), n)
+    r, t = np.zeros((2, n + 4)), np.zeros((2, n + 4))
+    r[:, 2:-2], t[:, 2:-2] = front.T, np.column_stack([normals[:, 1], -normals[:, 0]]).T
+    strength, shrink, turned, h = np.zeros((4, n + 4))
+    turned[2:-2], h[2:-2] = np.cumsum(turn), heights
+    collisions(r, t, turned, h, True, strength, shrink, np.zeros((4, n + 4)))
+    assert (expected[0] > 0).sum() > 20 and expected[1].min() < 0.9
+    assert np.abs(shrink[2:-2] - expected[1]).max() < 1e-12
+    edges = strength[2:-2] > expected[0] + 1e-12  # those that vanish have a strength of their own
+    assert (strength[2:-2] >= expected[0] - 1e-12).all() and (strength[2:-2][edges] <= 1).all()
 
 
 # ---- any section
