@@ -1,8 +1,9 @@
-"""Sides of a planar patch that cross: no grid between them is sound, so that it is said before one is looked for."""
+"""Sides of a planar patch that cross or touch: no grid between them is sound, which is said before it is looked for."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Literal
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -49,18 +50,20 @@ def refuse_crossed_sides(grid: StructuredGrid, names: Mapping[str, str] = _SIDES
     found = crossing(plane.to_plane(loop), edges)
     if found is None:
         return
-    first, second, place = found
+    first, second, place, how = found
     a, b = (names.get(_ORDER[side[edge]], _SIDES[_ORDER[side[edge]]]) for edge in (first, second))
     x, y, z = plane.to_space(place[None])[0]
-    what = f"crosses {b}" if a != b else "crosses itself"
-    cure = "move the sides apart, or turn one round" if a != b else "take the loop out of it"
-    raise InvalidGeometry(f"{what} near ({x:.6g}, {y:.6g}, {z:.6g}); {cure}", parameter=a)
+    other = b if a != b else "itself"
+    cure = "move them apart" if how == "touches" else "move the sides apart, or turn one round"
+    cure = cure if a != b else "take the loop out of it"
+    raise InvalidGeometry(f"{how} {other} near ({x:.6g}, {y:.6g}, {z:.6g}); {cure}", parameter=a)
 
 
-def crossing(loop: np.ndarray, edges: np.ndarray) -> tuple[int, int, np.ndarray] | None:
-    """The first two of some edges of a closed polygon that cross each other, and where; or None.
+def crossing(loop: np.ndarray, edges: np.ndarray) -> tuple[int, int, np.ndarray, Literal["crosses", "touches"]] | None:
+    """The first two of some edges of a closed polygon that cross each other, where, and how; or None.
 
-    Edges that touch or run along each other do not cross, unless the polygon passes through itself at that point.
+    Where the polygon touches itself it may pass through itself, or leave nothing inside; that counts. Edges that run
+    along each other, or touch with nothing between them outside, are both sides of a cut.
 
     Parameters
     ----------
@@ -72,7 +75,7 @@ def crossing(loop: np.ndarray, edges: np.ndarray) -> tuple[int, int, np.ndarray]
     Examples
     --------
     >>> crossing(np.array([[0.0, 0], [2, 2], [2, 0], [0, 2]]), np.arange(4))
-    (0, 2, array([1., 1.]))
+    (0, 2, array([1., 1.]), 'crosses')
     """
     n = len(loop)
     ends = np.column_stack([edges, (edges + 1) % n])
@@ -83,22 +86,24 @@ def crossing(loop: np.ndarray, edges: np.ndarray) -> tuple[int, int, np.ndarray]
         p, r = loop[a], loop[b]
         d, e = loop[(a + 1) % n] - p, loop[(b + 1) % n] - r
         t = ((r - p)[0] * e[1] - (r - p)[1] * e[0]) / (d[0] * e[1] - d[1] * e[0])
-        return int(a), int(b), p + t * d
+        return int(a), int(b), p + t * d, "crosses"
     used = np.unique(ends)
     same = used[cKDTree(loop[used]).query_pairs(tolerance, output_type="ndarray")]
     edge, point = np.concatenate([np.column_stack([edges[found.hanging[:, 0]], found.hanging[:, 1]]), same]).T
-    through = np.flatnonzero(_passes_through(loop, edge, point, tolerance))
-    if not len(through):
-        return None
-    edge, point = edge[through[0]], point[through[0]]
-    return int(edge), int(point), loop[point]
+    through, inside = _at_points(loop, edge.astype(int), point.astype(int), tolerance)
+    for found, how in ((through, "crosses"), (inside, "touches")):
+        if found.any():
+            k = np.argmax(found)
+            return int(edge[k]), int(point[k]), loop[int(point[k])], how
+    return None
 
 
-def _passes_through(loop: np.ndarray, edge: np.ndarray, point: np.ndarray, tolerance: float) -> np.ndarray:
-    """(k,) bool: whether the polygon passes at points from one side of edges that these lie on to the other."""
+def _at_points(
+    loop: np.ndarray, edge: np.ndarray, point: np.ndarray, tolerance: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Two (k,) bool: whether the polygon, at points that lie on edges, goes through these, or touches them inside."""
     n = len(loop)
     z = loop @ [1, 1j]
-    edge, point = edge.astype(int), point.astype(int)
     here, start, stop = z[point], edge, (edge + 1) % n
     start = np.where(np.abs(z[start] - here) <= tolerance, (start - 1) % n, start)  # at an end: both edges that meet
     stop = np.where(np.abs(z[stop] - here) <= tolerance, (stop + 1) % n, stop)
@@ -111,4 +116,6 @@ def _passes_through(loop: np.ndarray, edge: np.ndarray, point: np.ndarray, toler
         left.append(angle < along)
         for other in (0.0, 2 * np.pi, along):
             apart &= np.abs(angle - other) > _SAME_WAY
-    return apart & (left[0] != left[1])
+    x, y = (loop - loop[0]).T
+    within = left[0] if (x * np.roll(y, -1) - y * np.roll(x, -1)).sum() < 0 else ~left[0]
+    return apart & (left[0] != left[1]), apart & (left[0] == left[1]) & within

@@ -109,3 +109,16 @@ def test_a_boundary_without_area_is_told():
     flat = np.stack(np.meshgrid(np.linspace(0, 1, 5), [0.0, 0.0, 0.0], [0.0], indexing="ij"), axis=-1)
     with pytest.raises(InvalidGeometry, match="grid: has no area"):
         mc.elliptically_smoothed(mc.StructuredGrid(flat))
+
+
+@pytest.mark.parametrize("operation", [mc.transfinite, mc.elliptic])
+@pytest.mark.parametrize("n", [32, 33])  # at a point of north, and between two
+def test_opposite_sides_that_touch_leave_no_room(operation, n):
+    tent = np.array([[0, 0, 0], [0.5, 1, 0], [1, 0, 0]])
+    south = np.concatenate([np.linspace(tent[k], tent[k + 1], 17)[k:] for k in (0, 1)])
+    sides = south, straight((1, 0), (1, 1), 8), straight((0, 1), (1, 1), n), straight((0, 0), (0, 1), 8)
+    with pytest.raises(InvalidGeometry, match=r"touches (north|south) near \(0.5, 1, 0\); move them apart"):
+        operation(*sides, cells_i=32)
+    turned = tuple(side * [-1, 1, 1] for side in sides)  # clockwise
+    with pytest.raises(InvalidGeometry, match=r"touches (north|south) near \(-0.5, 1, 0\)"):
+        operation(*turned, cells_i=32)
