@@ -10,7 +10,7 @@ from .mesh import Cut, Degenerate, Mesh, MultiBlock, PolyhedralMesh, StructuredG
 from .operation import Length, Relative, operations
 from .progress import Progress, silent
 from .report import Report, Result
-from .sizing import discretised
+from .sizing import Spacing, discretised
 from .structured import (
     Attractor,
     Wall,
@@ -56,6 +56,7 @@ __all__ = [
     "Relative",
     "Report",
     "Result",
+    "Spacing",
     "StructuredGrid",
     "Tetrahedralization",
     "Triangulation",

@@ -1078,6 +1078,14 @@ class meshcoreCGrid(Operation):
       <DoubleRangeDomain name="range" min="0"/>
       <Documentation>Width of the cells at the west side; 0 leaves it out.</Documentation>
     </DoubleVectorProperty>
+    <IntVectorProperty name="LawI" label="Law I" command="SetLawI" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="as given"/><Entry value="1" text="uniform"/><Entry value="2" text="geometric"/><Entry value="3" text="hyperbolic tangent"/><Entry value="4" text="hyperbolic sine"/><Entry value="5" text="cosine"/><Entry value="6" text="curvature"/><Entry value="7" text="poisson"/><Entry value="8" text="copied"/></EnumerationDomain>
+      <Documentation>How points stand along south and north.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="LawJ" label="Law J" command="SetLawJ" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="as given"/><Entry value="1" text="uniform"/><Entry value="2" text="geometric"/><Entry value="3" text="hyperbolic tangent"/><Entry value="4" text="hyperbolic sine"/><Entry value="5" text="cosine"/><Entry value="6" text="curvature"/><Entry value="7" text="poisson"/><Entry value="8" text="copied"/></EnumerationDomain>
+      <Documentation>How points stand along west and east.</Documentation>
+    </IntVectorProperty>
     <IntVectorProperty name="Equation" label="Equation" command="SetEquation" number_of_elements="1" default_values="0" panel_visibility="default">
       <EnumerationDomain name="enum"><Entry value="0" text="Poisson"/><Entry value="1" text="biharmonic"/></EnumerationDomain>
       <Documentation>Poisson with control functions, or biharmonic: slopes at walls at once, folds more
@@ -1143,6 +1151,8 @@ class meshcoreCGrid(Operation):
       <Property name="SpacingEast"/>
       <Property name="SpacingNorth"/>
       <Property name="SpacingWest"/>
+      <Property name="LawI"/>
+      <Property name="LawJ"/>
     </PropertyGroup>
     <PropertyGroup label="Walls">
       <Property name="FirstHeight"/>
@@ -1183,6 +1193,12 @@ class meshcoreEllipticGrid(Operation):
 
     def SetSpacingWest(self, value):
         self.set("spacing_west", value or None)
+
+    def SetLawI(self, value):
+        self.set("law_i", ('as given', 'uniform', 'geometric', 'hyperbolic tangent', 'hyperbolic sine', 'cosine', 'curvature', 'poisson', 'copied')[value])
+
+    def SetLawJ(self, value):
+        self.set("law_j", ('as given', 'uniform', 'geometric', 'hyperbolic tangent', 'hyperbolic sine', 'cosine', 'curvature', 'poisson', 'copied')[value])
 
     def SetEquation(self, value):
         self.set("equation", ('Poisson', 'biharmonic')[value])

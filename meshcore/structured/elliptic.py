@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated
 
 from ..errors import GenerationFailed, InvalidInput
@@ -12,6 +12,7 @@ from ..mesh import StructuredGrid
 from ..operation import Length, Param, Relative, absolute, operation
 from ..progress import Progress, part_of, silent
 from ..report import Result
+from ..sizing import Spacing
 from ..threads import checked_threads
 from .control_functions import Attractor, ControlFunction
 from .elliptic_parameters import (
@@ -35,6 +36,8 @@ from .side_parameters import (
     CellsJParam,
     CornersParam,
     EastPort,
+    LawIParam,
+    LawJParam,
     NorthPort,
     ShiftCornersParam,
     SouthPort,
@@ -49,6 +52,8 @@ from .side_parameters import (
 from .sides import NAMES
 from .transfinite import transfinite
 from .winslow import CUT, MOST_CYCLES
+
+_TAKE_HEIGHTS = ("as given", "hyperbolic tangent", "hyperbolic sine", "poisson")  # at both ends
 
 
 @operation("Elliptic Grid", category="Structured", output="grid")
@@ -65,6 +70,8 @@ def elliptic(
     spacing_east: SpacingEastParam = None,
     spacing_north: SpacingNorthParam = None,
     spacing_west: SpacingWestParam = None,
+    law_i: LawIParam = "as given",
+    law_j: LawJParam = "as given",
     equation: Annotated[
         Equation, Param("Poisson with control functions, or biharmonic: slopes at walls at once, folds more easily")
     ] = "Poisson",
@@ -81,6 +88,7 @@ def elliptic(
     corners: CornersParam = FOUND,
     shift_corners: ShiftCornersParam = (0, 0, 0, 0),
     tolerance: ToleranceParam = Relative(1e-6),
+    spacings: Mapping[str, Spacing] | None = None,
     control_functions: Sequence[ControlFunction] | None = None,
     attractors: Sequence[Attractor] = (),
     threads: int | None = None,
@@ -112,6 +120,8 @@ def elliptic(
         Cells along i and j. Left out, opposite sides must have as many points as each other.
     spacing_south, spacing_east, spacing_north, spacing_west : Length, optional
         Size of the cells that touch that side, measured along the two sides that end there.
+    law_i, law_j : str
+        Law of the points' spacing along i and j, as for `transfinite`.
     equation : {"Poisson", "biharmonic"}
         Poisson's equation with control functions, or the biharmonic one in the grid's coordinates, which takes angle
         and first height at walls as they are, at once; it may fold, and is for small grids.
@@ -139,6 +149,8 @@ def elliptic(
         Numbers of the loop's corner points, and how many points along it each is moved, as for `transfinite`.
     tolerance : Length
         Ends of sides that are no farther apart than this are joined.
+    spacings : dict of str to Spacing, optional
+        Laws of single sides by name, as for `transfinite`. From Python only.
     control_functions : two of (ni, nj) float or callables, optional
         P and Q of ``g22 (r_ii + P r_i) - 2 g12 r_ij + g11 (r_jj + Q r_j) = 0`` in units of the index, or functions of
         i and j; between -2 and 2. They are added to what ``control`` makes.
@@ -183,13 +195,17 @@ def elliptic(
     >>> grid, report.converged, len(report.history) < 14
     (StructuredGrid(17 x 9 points), True, True)
     """
-    spacings = (spacing_south, spacing_east, spacing_north, spacing_west)
-    asked_spacings = {f"spacing_{side}": one for side, one in zip(NAMES, spacings, strict=True) if one is not None}
-    at_walls = _end_spacings(walls, first_height, cells_i, cells_j)
+    ends = (spacing_south, spacing_east, spacing_north, spacing_west)
+    asked_spacings = {f"spacing_{side}": one for side, one in zip(NAMES, ends, strict=True) if one is not None}
+    across = {"south": (cells_j, law_j), "west": (cells_i, law_i)}
+    at_walls = _end_spacings(walls, first_height, {**across, "north": across["south"], "east": across["west"]})
     given = {
         "cells_i": cells_i,
         "cells_j": cells_j,
         **(at_walls | asked_spacings),
+        "law_i": law_i,
+        "law_j": law_j,
+        "spacings": spacings,
         "blending": "arc length",
         "corners": corners,
         "shift_corners": shift_corners,
@@ -230,15 +246,19 @@ def elliptic(
     return result
 
 
-def _end_spacings(walls: Walls, height: Length | None, cells_i: int | None, cells_j: int | None) -> dict[str, Length]:
-    """The first height as the spacing at walls, where the sides that end there get new points anyway.
+def _end_spacings(walls: Walls, height: Length | None, across: Mapping[str, tuple]) -> dict[str, Length]:
+    """The first height as the spacing at walls, where the sides that end there get new points by a law that takes it.
 
     A wall whose neighbours have cells of another height at it cannot have that height up to its ends.
     """
     if height is None:
         return {}
-    across = {"south": cells_j, "north": cells_j, "west": cells_i, "east": cells_i}
-    return {f"spacing_{side}": height for side in sides_of(walls) if across[side] is not None}
+    found = {}
+    for side in sides_of(walls):
+        cells, law = across[side]
+        if cells is not None and law in _TAKE_HEIGHTS:
+            found[f"spacing_{side}"] = height
+    return found
 
 
 def _transfinite_start(*sides: Curve | None, **given) -> tuple[StructuredGrid, list[str]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Union
+from typing import Annotated, Literal, Union
 
 from ..geometry.curves import Curve
 from ..mesh import Mesh, StructuredGrid
@@ -32,6 +32,19 @@ SpacingSouthParam = Annotated[Length | None, Param("Height of the cells at the s
 SpacingEastParam = Annotated[Length | None, Param("Width of the cells at the east side", group="Spacing")]
 SpacingNorthParam = Annotated[Length | None, Param("Height of the cells at the north side", group="Spacing")]
 SpacingWestParam = Annotated[Length | None, Param("Width of the cells at the west side", group="Spacing")]
+Law = Literal[
+    "as given",
+    "uniform",
+    "geometric",
+    "hyperbolic tangent",
+    "hyperbolic sine",
+    "cosine",
+    "curvature",
+    "poisson",
+    "copied",
+]
+LawIParam = Annotated[Law, Param("How points stand along south and north", group="Spacing")]
+LawJParam = Annotated[Law, Param("How points stand along west and east", group="Spacing")]
 CornersParam = Annotated[
     tuple[int, int, int, int],
     Param("Points of a closed loop that are its corners; four times -1 finds them", min=-1, group="Corners"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Annotated, Any, Literal, Union
+from typing import Annotated, Any, Union
 
 import numpy as np
 
@@ -30,6 +30,8 @@ from .side_parameters import (
     CellsJParam,
     CornersParam,
     EastPort,
+    LawIParam,
+    LawJParam,
     NorthPort,
     ShiftCornersParam,
     SouthPort,
@@ -50,17 +52,6 @@ _CURE = (
     "space the points of opposite sides alike, blend by arc length, ask for a cure, give lines inside, move the "
     "corners, or split the patch where it folds"
 )
-Law = Literal[
-    "as given",
-    "uniform",
-    "geometric",
-    "hyperbolic tangent",
-    "hyperbolic sine",
-    "cosine",
-    "curvature",
-    "poisson",
-    "copied",
-]
 
 
 @operation("Transfinite Interpolation", category="Structured", output="grid")
@@ -83,8 +74,8 @@ def transfinite(
     spacing_east: SpacingEastParam = None,
     spacing_north: SpacingNorthParam = None,
     spacing_west: SpacingWestParam = None,
-    law_i: Annotated[Law, Param("How points stand along south and north", group="Spacing")] = "as given",
-    law_j: Annotated[Law, Param("How points stand along west and east", group="Spacing")] = "as given",
+    law_i: LawIParam = "as given",
+    law_j: LawJParam = "as given",
     blending: Annotated[
         Blending,
         Param("By the sides' lengths, by counts of cells, or smooth and at right angles with the sides"),

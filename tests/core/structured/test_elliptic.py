@@ -304,3 +304,22 @@ def test_a_first_height_that_no_side_can_have_is_refused_by_its_own_name():
     with pytest.raises(InvalidInput, match="does not fit a side of length 1 ") as caught:
         mc.elliptic(*box_sides(4, 4), cells_i=8, cells_j=8, walls="south", first_height=2.0)
     assert caught.value.parameter == "first_height"
+
+
+@pytest.mark.parametrize("law", ["uniform", "hyperbolic sine", "cosine", "curvature", "poisson", "copied"])
+def test_sides_get_their_points_by_the_laws_of_transfinite(law):
+    given = {"cells_i": 16, "cells_j": 12, "law_i": law, "law_j": law}
+    smooth, plain = mc.elliptic(*WAVY, **given).mesh, mc.transfinite(*WAVY, **given).mesh
+    for side in (np.s_[:, 0], np.s_[:, -1], np.s_[0], np.s_[-1]):
+        assert (smooth.points[side] == plain.points[side]).all()
+
+
+def test_a_law_without_end_cells_may_stand_beside_a_first_height():
+    grid, _ = mc.elliptic(*box_sides(8, 8), cells_i=12, cells_j=12, law_j="cosine", walls="south", first_height=0.02)
+    assert np.allclose(grid.points[0, :, 0, 1], np.sin(np.linspace(0, np.pi / 2, 13)) ** 2)
+
+
+def test_single_sides_have_spacings_of_their_own():
+    grid, _ = mc.elliptic(*box_sides(8, 8), spacings={"south": mc.Spacing("geometric", ratio=1.3)})
+    steps = np.diff(grid.points[:, 0, 0, 0])
+    assert np.allclose(steps[1:] / steps[:-1], 1.3)
