@@ -80,8 +80,8 @@ def _check_wall(points: np.ndarray, wall: Wall) -> None:
         raise InvalidInput(f"angles of {wall.side} need shape {(2, *shape)}, got {angle.shape}", parameter="walls")
     lines = np.moveaxis(points, axis_of(wall.side), 0)
     length = np.linalg.norm(np.diff(lines, axis=0), axis=-1).sum(axis=0)
-    if (height >= length).any():
-        at = np.argmin(length - height)
+    if wall.first_height is not None and ((height >= length) & (length > 0)).any():
+        at = np.argmin(np.where(length > 0, length - height, np.inf))
         raise InvalidInput(
             f"is {np.broadcast_to(height, shape).flat[at]:.4g} at {wall.side}, where a whole line is "
             f"{length.flat[at]:.4g} long; ask for less",

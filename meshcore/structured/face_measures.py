@@ -34,7 +34,8 @@ class FaceMeasures:
     frame : (3, 3, na, nb) float
         Unit vectors along each index of the face, and its normal into the block, by component.
     counts : (na, nb) bool
-        Whether the node is not close to an edge of the face where another face begins, nor to a crease.
+        Whether the node is not close to an edge of the face where another face begins, nor to a crease; if all are,
+        that are not on an edge.
     """
 
     angle: np.ndarray
@@ -71,7 +72,7 @@ def _slope(angle: np.ndarray) -> np.ndarray:
 def _direction(angle: np.ndarray) -> np.ndarray:
     """(3, na, nb) parts along a, b and the normal of a vector at the angles; below the face, it points down."""
     down = np.sin(angle).min(axis=0) < 0
-    lean = np.cos(angle) / np.maximum(np.abs(np.sin(angle)), _TINY)
+    lean = np.cos(angle) / np.maximum(np.abs(np.sin(angle)), _FLAT)
     return np.stack([*lean, np.where(down, -1.0, 1.0)])
 
 
@@ -149,6 +150,8 @@ def measured(
     for axis, (turn, closes) in enumerate(zip((turn_a, turn_b), ends, strict=True)):
         ends_here = turn > SHARP if wall is None else (turn > SHARP) | ~_padded(wall, ends)
         counts &= _away_from(ends_here, points, height, axis, closes)
+    if not counts.any():  # better judged too strictly than not at all
+        counts = _inner(sine > _FLAT, ends) if wall is None else (sine > _FLAT) & _padded(wall, ends)
     found = FaceMeasures(
         np.degrees(np.arctan2(out, parts)),
         height,
@@ -157,6 +160,14 @@ def measured(
         counts,
     )
     return _without_ghosts(found, ends)
+
+
+def _inner(values: np.ndarray, ends: list[bool]) -> np.ndarray:
+    """Without the first and last of directions that do not run on."""
+    inner = np.zeros_like(values)
+    at = tuple(slice(None) if closed else slice(1, -1) for closed in ends)
+    inner[at] = values[at]
+    return inner
 
 
 def _padded(values: np.ndarray, ends: list[bool]) -> np.ndarray:

@@ -8,8 +8,8 @@ from meshcore import InvalidInput, StructuredGrid
 from meshcore.structured.blending import blended
 from meshcore.structured.periodic_faces import pairs_of
 from meshcore.structured.sliding_faces import FaceSlide, _spread
-from meshcore.structured.winslow_3d import count_folded
 from meshcore.structured.surface_levels import corner_areas
+from meshcore.structured.winslow_3d import count_folded
 from tests.core.structured.test_periodic_faces import row_passage
 from tests.core.structured.test_wall_control_3d import bent, box, cap, naive_angles, passage
 

@@ -213,6 +213,26 @@ def test_where_faces_do_not_fit_it_is_told_and_the_best_is_kept():
     assert count_folded(grid.points) == 0
 
 
+def test_where_all_nodes_are_near_edges_all_inside_are_judged():
+    start = box(6, 6, 6)
+    start[1:-1, 1:-1, -1, 2] += 0.1
+    found = measured(inside(start), "kmin")
+    assert found.counts[1:-1, 1:-1].all() and found.counts.sum() == 25
+    _, report = mc.elliptic_volume(StructuredGrid(start), walls="kmin", first_height=0.9)
+    assert not report.converged and report.quality["error of first heights (%)"] > 5
+
+
+def test_walls_with_edges_that_are_points_need_no_height():
+    t, r, z = np.moveaxis(box(8, 8, 8), -1, 0)
+    wedge = np.stack([r * np.cos(t), -r * np.sin(t), z], axis=-1)
+    asked = AskedOfBlock([Wall(face) for face in FACES])
+    asked.check(wedge)
+    found = measured(inside(wedge), "kmin")
+    assert np.isfinite(found.off(90.0)).all()
+    with pytest.raises(InvalidInput, match="is 1 at imin, where a whole line is"):
+        AskedOfBlock([Wall("imin", 1.0)]).check(wedge)
+
+
 def test_lines_on_faces_around_a_wall_begin_with_its_height():
     start = passage(16)
     walls = [Wall("kmin", 0.01), Wall("jmax", 0.02)]
