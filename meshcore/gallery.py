@@ -445,7 +445,7 @@ def wing_tip(chord: int = 40, span: int = 24, tip: int = 4) -> Mesh:
     Examples
     --------
     >>> wing_tip(8, 4, 2)
-    Mesh(95 points, 8 triangle, 80 quad)
+    Mesh(101 points, 8 triangle, 88 quad)
     """
     x = 0.5 * (1 - np.cos(np.linspace(0, np.pi, chord + 1)))
     half = 0.6 * (0.2969 * np.sqrt(x) - 0.126 * x - 0.3516 * x**2 + 0.2843 * x**3 - 0.1036 * x**4)

@@ -58,6 +58,8 @@ def test_operator_gives_what_meshcore_gives(core, identifier):
     for name, values in mesh.point_data.items():
         np.testing.assert_allclose(scene.values(ob, name), values, rtol=scene.SINGLE, atol=scene.SINGLE)
     for name, values in mesh.cell_data.items():
+        if mesh.dimension == 3:  # its faces have what the cells behind them have
+            values = values[mesh.boundary.cell_data["cell"]]
         np.testing.assert_allclose(scene.values(ob, name)[order], values, rtol=scene.SINGLE, atol=scene.SINGLE)
     assert dict(ob.data["meshcore_report"]["counts"]) == report.counts
 
