@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..errors import InvalidGeometry
 from ..mesh import StructuredGrid
 from ..progress import Progress, advance
 from ..quality import summary, validate
@@ -54,7 +55,11 @@ def finished(
         warnings = [*warnings, crossed]
     if method == "elliptic" or folded.any():
         walls = [_wall(grid, kept)] if method == "elliptic" else []
-        grid, report = solved(grid, Asked(control="boundary spacing", walls=walls), progress)
+        try:
+            grid, report = solved(grid, Asked(control="boundary spacing", walls=walls), progress)
+        except InvalidGeometry:  # its boundary crosses itself, of which only the section is the user's
+            refuse_folds(grid, cure)
+            raise
         told = {**told, **{name: value for name, value in report.quality.items() if name.startswith("error")}}
         warnings = warnings + report.warnings
         history = {"iterations": report.iterations, "residual": report.residual, "converged": report.converged}
