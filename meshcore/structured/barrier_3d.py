@@ -22,7 +22,7 @@ from .descent import minimised
 
 _MARGINS = (1, 2, 4, 8)  # cells around the folded ones that may move; more if fewer do not help
 _SOUND = 1e-6  # scaled Jacobian below which a cell belongs to a patch
-_ITERATIONS = 40  # of the minimiser with one barrier
+_ITERATIONS = 100  # of the minimiser with one barrier: with 40, bulbs on thin necks stay folded
 _ROUNDS = 60  # barriers that are tried; less if so many of them become so little steeper
 _IN_VAIN, _SLOW = 4, 0.5
 _SOFT = 0.1  # part of the least determinant that the barrier's width is not made smaller than

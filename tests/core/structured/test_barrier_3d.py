@@ -125,13 +125,14 @@ def test_what_cannot_be_unfolded_stays_and_progress_may_cancel():
 
 
 @pytest.mark.parametrize(
-    ("cells", "depth", "bulge"), [(8, 0.6, 0.1), (8, 0.8, 0.2), (12, 0.7, 0.2), (16, 0.8, 0.2), (24, 0.6, 0.2)]
+    ("cells", "depth", "bulge"),
+    [(8, 0.6, 0.1), (8, 0.8, 0.2), (12, 0.7, 0.2), (16, 0.8, 0.2), (20, 0.7, 0.3), (24, 0.6, 0.2)],
 )
 @pytest.mark.parametrize("control", ["none", "boundary spacing"])
 def test_bulbs_are_filled_at_any_resolution(cells, depth, bulge, control):
     grid, report = mc.elliptic_volume(gallery.dented_box(cells, depth=depth, bulge=bulge), control=control)
     assert report.converged
-    assert quality.measure(grid, "scaled_jacobian").min() > 0.01
+    assert quality.measure(grid, "scaled_jacobian").min() > 0.005
     assert "cells that the discrete equations leave folded were unfolded" in report.warnings[0]
 
 
