@@ -13,7 +13,7 @@ from . import _layer_kernels as kernels
 from .front_edges import Hold, free_edges
 from .front_graph import FrontGraph
 
-STRENGTHS = ((10.0, 5.0), (1.0, 0.5), (40.0, 20.0))
+STRENGTHS = ((10.0, 5.0), (1.0, 0.1), (40.0, 20.0))
 """Coefficients of dissipation: what does for most surfaces, then less, for thin edges, and more, for deep corners."""
 NARROWEST = 0.3
 """Steps are split where a corner of the front would keep less than this part of its area."""

@@ -147,6 +147,12 @@ def test_a_wing_tip_stays_on_its_plane_of_symmetry():
     assert not report.warnings
 
 
+def test_a_wing_tip_is_marched_far_with_less_dissipation():
+    mesh, report = mc.hyperbolic_volume(gallery.wing_tip(24, 12, 4), first_height=1e-4, layers=60, distance=5.0)
+    assert report.converged and report.quality["total height"] == pytest.approx(5)
+    assert (quality.measure(mesh, "jacobian") > 0).all()
+
+
 def test_symmetric_surfaces_get_symmetric_layers():
     mesh, _ = mc.hyperbolic_volume(body("ledge"), first_height=1e-3, layers=30, distance=2.0)
     mirrored = mesh.points[:, [1, 0, 2]]
