@@ -25,6 +25,7 @@ from .winslow_levels import Levels
 
 OPPOSITE = {"south": "north", "north": "south", "west": "east", "east": "west"}
 ANGLE_WITHIN, HEIGHT_WITHIN, RESIDUAL_WITHIN = 1.0, 0.05, 1e-3
+HEIGHT_AIM = 0.01  # what is worked for; `HEIGHT_WITHIN` is good enough where no more can be had
 FEWEST_CELLS = (16, 24)
 """Cells that a direction keeps on all levels: coarser ones cannot hold a control function that falls off in a few."""
 MOST_STEPS = 120
@@ -34,10 +35,15 @@ GROWTH_REACH = 5.0  # b times the cells from wall to wall
 SHARE = 0.6  # of the promised step
 FIRST_SHARE = 0.8  # of the height's first step, which has no limit of its own: a far smaller height is half the work
 LARGEST_LEAN_STEP, LARGEST_HEIGHT_STEP, LARGEST_CONTROL = 0.4, 0.8, 1.5
+# In the plane, what holds lines upright where an edge of the wall is five times as long as the next, as files of
+# sections have them beside the nose.
+LARGEST_IN_PLANE = 4.0
 # Lines must turn by the corner's angle within so many nodes beside a sharp corner or an end of a wall, and within so
 # many first heights: neither angle nor height are judged there.
 NEAR_CORNER, CORNER_REACH = 2, 2.0
-PATIENCE = 25  # steps without a gain of two per cent
+# Steps without a gain of two per cent after which coarse corrections are damped, and after which is given up: beside
+# blunt edges whole corrections may make the grid swing to and fro, whatever the controls.
+SHORT_PATIENCE, PATIENCE, DAMPED = 8, 25, 0.5
 SHARP = np.radians(60.0)  # of turning
 
 
@@ -194,9 +200,10 @@ class _Control:
     def step(self, found: Measured, *, first: bool) -> None:
         """Move the amplitudes against what is wrong."""
         if self.wall.first_height is not None:
-            self.growth = limited(self.growth + self.fall * height_step(found.height, self.wall.first_height, first))
+            step = height_step(found.height, self.wall.first_height, first)
+            self.growth = limited(self.growth + self.fall * step, LARGEST_IN_PLANE)
         if self.wall.angle is not None and self.slide is None:
-            self.lean = limited(self.lean + lean_step(found.angle, self.wall.angle))
+            self.lean = limited(self.lean + lean_step(found.angle, self.wall.angle), LARGEST_IN_PLANE)
         if self.closed:
             self.growth[-1], self.lean[-1] = self.growth[0], self.lean[0]
 
@@ -235,9 +242,9 @@ def lean_step(angle: np.ndarray, wanted: float | np.ndarray) -> np.ndarray:
     return SHARE * LEAN_REACH * np.clip(wrong, -LARGEST_LEAN_STEP, LARGEST_LEAN_STEP)
 
 
-def limited(amplitude: np.ndarray) -> np.ndarray:
+def limited(amplitude: np.ndarray, most: float = LARGEST_CONTROL) -> np.ndarray:
     """Control functions within Sorenson's limits."""
-    return np.clip(amplitude, -LARGEST_CONTROL, LARGEST_CONTROL)
+    return np.clip(amplitude, -most, most)
 
 
 @dataclass(frozen=True)
@@ -290,8 +297,6 @@ def controlled(
     growth: np.ndarray,
     *,
     most_steps: int = MOST_STEPS,
-    angle_within: float = ANGLE_WITHIN,
-    height_within: float = HEIGHT_WITHIN,
     progress: Progress = silent,
 ) -> Controlled:
     """Solve on the finest of ``levels`` with control functions ``growth`` and those that the walls come to need."""
@@ -299,25 +304,20 @@ def controlled(
     unit = max(finest.residual(), ROUNDING / RESIDUAL_WITHIN)
     levels.set_growth(growth)
     full_multigrid(levels, 2)
-    ni, nj = growth.shape[1:]
-    controls = []
-    for wall in walls:
-        closed = finest.cyclic and wall.side in ("south", "north")
-        n, out = (ni, nj) if wall.side in ("south", "north") else (nj, ni)
-        opposite = OPPOSITE[wall.side]
-        reach = (out - 1) / (2 if opposite in [other.side for other in walls] else 1)
-        slide = Slide(from_wall(finest.points_without_ghosts, wall.side)[..., 0]) if wall.slides else None
-        controls.append(_Control(wall, closed, GROWTH_REACH / reach, np.zeros(n), np.zeros(n), slide))
+    controls = _controls(levels, walls)
     residuals, worst = [unit, finest.residual()], []
-    for step in range(most_steps):
+    best, damping = (np.inf, None, None), 1.0
+    for step in range(most_steps + 1):
         r = finest.points_without_ghosts
         found = [measured(r, control.wall.side, levels.sign, finest.cyclic) for control in controls]
         angle, height = np.max([c.excess(f) for c, f in zip(controls, found, strict=True)], axis=0)
-        converged = bool(angle < angle_within and height < height_within and residuals[-1] < RESIDUAL_WITHIN * unit)
-        if converged:
-            break
-        worst.append(angle / angle_within + height / height_within)
-        if len(worst) > PATIENCE and min(worst[-PATIENCE:]) > 0.98 * min(worst[:-PATIENCE]):
+        settled = angle < ANGLE_WITHIN and residuals[-1] < RESIDUAL_WITHIN * unit
+        worst.append(angle / ANGLE_WITHIN + height / HEIGHT_AIM)
+        if settled and height < HEIGHT_WITHIN and worst[-1] < best[0]:
+            best = worst[-1], (angle, height), r.copy()
+        if damping == 1 and _stalled(worst, SHORT_PATIENCE):
+            damping, worst = DAMPED, worst[-1:]
+        if (settled and height < HEIGHT_AIM) or _stalled(worst, PATIENCE) or step == most_steps:
             break
         theta = growth.copy()
         for control, have in zip(controls, found, strict=True):
@@ -326,10 +326,34 @@ def controlled(
             if control.slide is not None:
                 control.slide.step(from_wall(r, control.wall.side), have, control.wall.angle, control.closed)
         finest.wrap()
-        levels.set_growth(limited(theta))
+        levels.set_growth(limited(theta, LARGEST_IN_PLANE))
         if step == 0:  # where the start solves the equations, as in a box, there is nothing to measure by but this
             unit = max(unit, finest.residual())
-        safe_cycle(levels)
+        safe_cycle(levels, damping=damping)
         residuals.append(finest.residual())
         advance(progress, step / most_steps, f"angle within {angle:.2g} degrees, height within {height:.1%}")
-    return Controlled(tuple(residual / unit for residual in residuals), angle, height, converged)
+    history = tuple(residual / unit for residual in residuals)
+    if best[1] is None:
+        return Controlled(history, angle, height, False)
+    finest.put(best[2])
+    return Controlled(history, *best[1], True)
+
+
+def _stalled(worst: list[float], patience: int) -> bool:
+    """Whether the last steps gained nothing."""
+    return len(worst) > patience and min(worst[-patience:]) > 0.98 * min(worst[:-patience])
+
+
+def _controls(levels: Levels, walls: list[Wall]) -> list[_Control]:
+    """A control of each wall, that does nothing yet."""
+    finest = levels.levels[0]
+    points = finest.points_without_ghosts
+    controls = []
+    for wall in walls:
+        lines = from_wall(points, wall.side)
+        along, out = lines.shape[1:]
+        reach = (out - 1) / (2 if OPPOSITE[wall.side] in [other.side for other in walls] else 1)
+        closed = finest.cyclic and wall.side in ("south", "north")
+        slide = Slide(lines[..., 0]) if wall.slides else None
+        controls.append(_Control(wall, closed, GROWTH_REACH / reach, np.zeros(along), np.zeros(along), slide))
+    return controls

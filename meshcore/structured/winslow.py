@@ -249,11 +249,10 @@ def full_multigrid(levels: Levels, cycles: int = 1) -> float:
     return residual
 
 
-def safe_cycle(levels: Levels, number: int = 0) -> float:
+def safe_cycle(levels: Levels, number: int = 0, damping: float = 1.0) -> float:
     """A cycle from level ``number``; where it would make matters worse, with shorter corrections or none: residual."""
     level = levels.levels[number]
     before, residual = level.r.copy(), level.residual()
-    damping = 1.0
     for _ in range(4):
         levels.cycle(number, damping)
         reached = level.residual()

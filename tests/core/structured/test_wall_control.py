@@ -8,11 +8,13 @@ import pytest
 from meshcore import gallery
 from meshcore.geometry.curves import polyline, resampled
 from meshcore.sizing import hyperbolic_tangent
+from meshcore.structured import elliptically_smoothed, o_grid
 from meshcore.structured.barrier import weak_cells
 from meshcore.structured.wall_control import FEWEST_CELLS, Wall, controlled, from_wall, measured
 from meshcore.structured.winslow import CUT, SIDES, Frame, levels_of, orientation
 from meshcore.threads import Workers
 from tests.core.structured.test_winslow import annulus, between, wavy
+from tests.sections import random_sections
 
 
 def inside(points):
@@ -149,3 +151,24 @@ def test_o_grids_of_airfoils_reach_angle_and_height(name, height):
     assert np.abs(have.height / height - 1)[have.counts].max() < 0.05
     assert have.counts.sum() > 145
     assert weak_cells(found, orientation(start)).sum() < 12
+
+
+def test_lines_stay_upright_where_the_wall_s_edges_jump():
+    """Points of sections as they stand in files: one edge four times as long as the one before."""
+    south = np.concatenate([np.linspace(0, 0.2, 21), np.linspace(0.2, 1.0, 21)[1:]])
+    even = np.linspace(0, 1, 41)
+    west = np.column_stack([0 * even, even])
+    start = between(np.column_stack([south, 0 * south]), west + [1, 0], np.column_stack([even, 0 * even + 1]), west)
+    found, went = run(start, [Wall("south", 0.002)])
+    assert went.converged and went.angle < 1 and went.height < 0.01
+    assert not weak_cells(found, 1.0).any()
+
+
+@pytest.mark.parametrize(("number", "loop"), list(enumerate(loop for _, loop in random_sections(18, 11))))
+def test_walls_of_random_sections(number, loop):
+    height = 10.0 ** -(3 + number % 3)
+    start, _ = o_grid(loop, around=(None, 97)[number % 2], first_height=height)
+    _, report = elliptically_smoothed(start, walls="south", first_height=height)
+    assert report.converged
+    assert report.quality["error of wall angles (degree)"] < 1
+    assert report.quality["error of first heights (%)"] < 5
