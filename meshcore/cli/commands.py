@@ -71,6 +71,9 @@ def add_file_commands(subparsers: Any) -> None:
     )
     command.add_argument("--histogram", action="store_true", help="print a histogram of each measure")
     command.add_argument("--picture", type=Path, metavar="PNG", help="draw the mesh, coloured by the first measure")
+    command.add_argument(
+        "--pictures", type=Path, metavar="FOLDER", help="draw the mesh once for each measure of the table, by name"
+    )
 
     command = add_command(subparsers, "convert", run_convert, "Read a mesh in one format and write it in another.")
     command.add_argument("input", type=Path, help="file to read")
@@ -136,6 +139,7 @@ def run_quality(arguments: argparse.Namespace, inputs: Inputs) -> None:
 
     files.check_names([arguments.picture], [arguments.mesh])
     files.check_picture_file(arguments.picture)
+    files.check_folder(arguments.pictures)
     mesh = files.read(arguments.mesh)
     inputs["mesh"] = mesh
     if isinstance(mesh, PolyhedralMesh):
@@ -145,6 +149,12 @@ def run_quality(arguments: argparse.Namespace, inputs: Inputs) -> None:
     if arguments.picture:
         colour = next(iter(next(iter(reports.values())).rows), None)
         files.draw(mesh, arguments.picture, scalars=colour, title=arguments.mesh.name)
+    if arguments.pictures:
+        for measure in next(iter(reports.values())).rows:
+            if not all(measure in report.rows for report in reports.values()):
+                continue
+            path = arguments.pictures / f"{measure}.png"
+            files.draw(mesh, path, scalars=measure, title=f"{arguments.mesh.name}: {measure.replace('_', ' ')}")
     if arguments.json:
         tables = {name: {row: vars(values) for row, values in report.rows.items()} for name, report in reports.items()}
         files.print_json(tables if len(tables) > 1 else next(iter(tables.values())))

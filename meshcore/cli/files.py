@@ -69,6 +69,16 @@ def check_picture_file(path: Path | None) -> None:
     _folder_beside(path).cleanup()
 
 
+def check_folder(path: Path | None) -> None:
+    """Make the folder of pictures, or refuse before the work what cannot be one."""
+    if path is None:
+        return
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InvalidInput(f"{path} cannot be a folder: {error.strerror}; give another name") from None
+
+
 def draw(mesh: Any, path: Path, **options: Any) -> None:
     """A picture of a mesh, put in its place when it is complete."""
     from ..picture import picture

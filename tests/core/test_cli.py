@@ -460,6 +460,16 @@ def test_quality_of_a_grid_has_lines_for_directions_and_walls(tmp_path, call):
     assert code == 1 and "'growth_l' is no measure; try" in err and "growth_i" in err
 
 
+def test_quality_pictures_are_one_for_each_measure(tmp_path, call):
+    mc.io.write(tmp_path / "g.vts", mc.transfinite(*gallery.wavy_sides(6, 4)).mesh)
+    words = ["quality", tmp_path / "g.vts", "--pictures", tmp_path / "all", "--quiet"]
+    measures = ["line_angle", "first_height_jmin", "growth_i", "jacobian"]
+    assert call(*words, *(word for name in measures for word in ("--measure", name)))[0] == 0
+    assert {file.name for file in (tmp_path / "all").iterdir()} == {f"{name}.png" for name in measures}
+    code, _, err = call("quality", tmp_path / "g.vts", "--pictures", tmp_path / "g.vts")
+    assert code == 1 and "cannot be a folder" in err
+
+
 def test_quality_of_blocks_is_told_block_by_block(tmp_path, call):
     grid, _ = mc.transfinite(gallery.square(4))
     blocks = mc.MultiBlock((grid, grid.with_points(grid.points + [1, 0, 0])), ("left", "right"))
