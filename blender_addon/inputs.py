@@ -65,7 +65,11 @@ def wanted_text(declaration: dict[str, Any]) -> str:
     if not first["cells"]:
         return "a mesh; its vertices are taken"
     if not _lines_only(first):
-        return "a mesh with faces"
+        return (
+            f"a mesh with faces, or {len(ports)} of them ({', '.join(ports)})"
+            if len(ports) > 2
+            else "a mesh with faces"
+        )
     if len(ports) == 1:
         return "a curve, or a mesh with open edges"
     return f"{len(ports)} curves ({', '.join(ports)}), or one closed curve or four chains of edges in one object"

@@ -188,8 +188,11 @@ def cage_of(mesh: Mesh, parameter: str) -> dict[str, np.ndarray]:
     corners = np.flatnonzero(net.valence == 3).tolist()
     if len(corners) != 8 or not net.is_closed:
         what = f"has {len(corners)} points where three quads meet" if net.is_closed else "is open"
+        where = (
+            corners if net.is_closed else np.unique([edge for edge, quads in net.at_edge.items() if len(quads) == 1])
+        )
         raise InvalidGeometry(
-            f"{what}; a cage is a closed surface of quads with eight such corners", parameter=parameter, points=corners
+            f"{what}; a cage is a closed surface of quads with eight such corners", parameter=parameter, points=where
         )
     start = min(corners, key=lambda c: (float(mesh.points[c].sum()), c))
     ends = sorted({p for edge in net.at_edge if start in edge for p in edge if p != start})

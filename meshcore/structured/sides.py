@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 
 from ..errors import InvalidGeometry, InvalidInput
-from ..geometry.curves import Curve, arc_length, polyline, resampled
+from ..geometry.curves import Curve, arc_length, chains, polyline, resampled
 from ..mesh import Mesh
 from ..operation import Length, absolute
 from ..sizing import Spacing, copied
@@ -81,7 +81,8 @@ class Sides:
             check_extent(line, parameter=name)
         extent = check_extent(np.concatenate(list(read.values())), parameter="south")
         gap = absolute(tolerance, extent)
-        lines, reversed_ = _joined(read, gap)
+        numbers = {name: _numbers(side) for name, side in given.items()} if named else {}
+        lines, reversed_ = _joined(read, gap, numbers)
         warnings = [f"{name} ran the other way and was reversed" for name in reversed_ if named]
         return cls(lines, names, gap, named=named, warnings=warnings)._right_handed()
 
@@ -229,8 +230,20 @@ def _distinct(line: np.ndarray) -> np.ndarray:
     return line[np.append(True, (line[1:] != line[:-1]).any(axis=1))]
 
 
-def _joined(lines: dict[str, np.ndarray], gap: float) -> tuple[dict[str, np.ndarray], list[str]]:
-    """Direct the sides as drawn and close gaps up to ``gap``; also names of the reversed ones, as few as may be."""
+def _numbers(curve: Curve) -> np.ndarray:
+    """The numbers of a curve's points, in order."""
+    if isinstance(curve, Mesh) and len(curve.get("line")):
+        return chains(curve)[0]
+    return np.arange(curve.n_points if isinstance(curve, Mesh) else len(curve))
+
+
+def _joined(
+    lines: dict[str, np.ndarray], gap: float, numbers: Mapping[str, np.ndarray]
+) -> tuple[dict[str, np.ndarray], list[str]]:
+    """Direct the sides as drawn and close gaps up to ``gap``; also names of the reversed ones, as few as may be.
+
+    By the numbers of their points errors tell where.
+    """
 
     def gaps(turn: tuple[bool, ...]) -> np.ndarray:
         s, e, n, w = (line[::-1] if back else line for back, line in zip(turn, lines.values(), strict=True))
@@ -242,10 +255,16 @@ def _joined(lines: dict[str, np.ndarray], gap: float) -> tuple[dict[str, np.ndar
     best = min(turns, key=lambda turn: gaps(turn).max())
     apart = gaps(best)
     if apart.max() > gap:
-        corner = ("south and west", "south and east", "east and north", "west and north")[int(np.argmax(apart))]
+        name, end, other = (("south", 0, "west"), ("south", -1, "east"), ("east", -1, "north"), ("west", -1, "north"))[
+            int(np.argmax(apart))
+        ]
+        end = -1 - end if best[NAMES.index(name)] else end
+        x, y, z = lines[name][end]
         raise InvalidGeometry(
-            f"{corner} end {apart.max():.6g} apart; move their ends together, or raise tolerance above that",
-            parameter=corner.split()[0],
+            f"{name} and {other} end {apart.max():.6g} apart at ({x:.6g}, {y:.6g}, {z:.6g}); move their ends together, "
+            "or raise tolerance above that",
+            parameter=name,
+            points=numbers[name][[end]] if name in numbers else (),
         )
     south, east, north, west = (
         (ln[::-1] if back else ln).copy() for back, ln in zip(best, lines.values(), strict=True)

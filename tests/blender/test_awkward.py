@@ -194,3 +194,11 @@ def test_errors_in_another_objects_collection_leave_mode_and_selection(installed
     refused("is open")
     assert scene.active() == one
     assert not other.select_get()
+
+
+def test_a_gap_between_sides_is_marked(installed):
+    ends = [((0, 0, 0), (1, 0, 0)), ((1, 0.2, 0), (1, 1, 0)), ((0, 1, 0), (1, 1, 0)), ((0, 0, 0), (0, 1, 0))]
+    sides = [scene.add_mesh(f"side {k}", pair, [(0, 1)], select=False) for k, pair in enumerate(ends)]
+    scene.activate(*sides)
+    assert "apart at (1, 0, 0)" in refused("1 vertex selected on side 0")
+    assert [v.select for v in sides[0].data.vertices] == [False, True]

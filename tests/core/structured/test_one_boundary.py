@@ -49,7 +49,7 @@ def test_four_chains_in_one_mesh_are_four_sides(order, backwards):
 def test_four_chains_that_nearly_meet_are_joined_within_tolerance():
     grid, _ = mc.elliptic(apart(range(4), [False] * 4, gap=1e-3), tolerance=2e-3)
     assert grid.shape == (13, 8, 1)
-    with pytest.raises(InvalidGeometry, match="apart; move their ends together"):
+    with pytest.raises(InvalidGeometry, match=r"apart at .*; move their ends together"):
         mc.elliptic(apart(range(4), [False] * 4, gap=1e-3))
 
 
@@ -115,3 +115,23 @@ def test_pieces_of_a_loop_that_touch_within_tolerance_are_joined():
     pieces = Mesh(points, {"line": [line for line in lines if line != (11, 12)] + [(11, n + 1)]})
     pieces = pieces.with_points(np.concatenate([points[:-1], points[12:13] - 1e-9]))
     assert corners_of(mc.transfinite(pieces, cells_i=6, cells_j=6).mesh) == on_circle({0, 6, 12, 18})
+
+
+@pytest.mark.parametrize("backwards", [False, True])
+@pytest.mark.parametrize(("moved", "name"), [("west", "south"), ("east", "south"), ("north", "east")])
+def test_a_gap_is_told_with_its_place_and_point(moved, name, backwards):
+    sides = dict(zip(("south", "east", "north", "west"), WAVY, strict=True))
+    sides[moved] = sides[moved] + [0.2, 0, 0] if moved != "north" else sides[moved] + [0, 0.2, 0]
+    if backwards:
+        sides = {key: side[::-1] for key, side in sides.items()}
+    shuffled = lines_through(sides[name])
+    order = np.random.default_rng(2).permutation(shuffled.n_points)
+    mesh = Mesh(shuffled.points[order], {"line": np.argsort(order)[shuffled.get("line")]})
+    with pytest.raises(InvalidGeometry, match=r"0\.2 apart at ") as caught:
+        mc.transfinite(**{**sides, name: mesh})
+    assert caught.value.parameter == name
+    (point,) = caught.value.points
+    ends = {tuple(sides[name][0]), tuple(sides[name][-1])}
+    assert tuple(mesh.points[point]) in ends
+    x, y, _ = mesh.points[point]
+    assert f"({x:.6g}, {y:.6g}, 0)" in str(caught.value)
