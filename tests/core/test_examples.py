@@ -15,6 +15,7 @@ NUMBERS = {
     "blade_row": 24 * 60 * 24,
     "chapter_4_h_refinement": None,
     "circumcentre_refinement": None,
+    "corners_of_the_boundary": 64 * 32,
     "curved_grid_smoothed": 64 * 32,
     "dented_box": 24**3,
     "figure_01_structured_and_unstructured": 24 * 12,

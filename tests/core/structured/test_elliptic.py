@@ -323,3 +323,35 @@ def test_single_sides_have_spacings_of_their_own():
     grid, _ = mc.elliptic(*box_sides(8, 8), spacings={"south": mc.Spacing("geometric", ratio=1.3)})
     steps = np.diff(grid.points[:, 0, 0, 0])
     assert np.allclose(steps[1:] / steps[:-1], 1.3)
+
+
+def horseshoe(radius, n_leg, n_arc):
+    """A leg up, half a circle, and a leg down."""
+    up = np.linspace((-radius, -1.5, 0), (-radius, 0, 0), n_leg + 1)
+    angle = np.linspace(np.pi, 0, n_arc + 1)
+    arc = radius * np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
+    return np.concatenate([up[:-1], arc, (up * [-1, 1, 1])[::-1][1:]])
+
+
+@pytest.mark.parametrize("control", ["none", "boundary spacing"])
+def test_a_horseshoe_is_filled_with_convex_cells(control):
+    outer, inner = horseshoe(1.5, 12, 24), horseshoe(0.5, 12, 24)
+    grid, report = mc.elliptic(
+        outer[::-1],
+        np.linspace(outer[0], inner[0], 13),
+        inner[::-1],
+        np.linspace(outer[-1], inner[-1], 13),
+        control=control,
+    )
+    assert report.converged and not weak_cells(planar(grid), 1.0).any()
+    x, y = planar(grid)[..., 0], planar(grid)[..., 1]
+    assert np.abs(x + x[::-1]).max() < 2e-3 and np.abs(y - y[::-1]).max() < 2e-3  # as symmetric as it was given
+
+
+def test_a_sheared_box_is_its_own_laplace_grid():
+    south, east, north, west = (side @ np.array([[1, 0, 0], [0.8, 1, 0], [0, 0, 1]]) for side in box_sides(20, 12))
+    rough = mc.transfinite(south, east, north, west).mesh.points.copy()
+    exact = rough.copy()
+    rough[1:-1, 1:-1, 0, :2] += 0.02 * np.random.default_rng(5).normal(size=(19, 11, 2))
+    grid, report = mc.elliptically_smoothed(mc.StructuredGrid(rough), residual=1e-11)
+    assert report.converged and np.abs(grid.points - exact).max() < 1e-9
