@@ -7,18 +7,22 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from ..errors import GenerationFailed, InvalidInput
+from ..errors import GenerationFailed, InvalidGeometry, InvalidInput
 from ..geometry.curves import Curve, polyline
 from ..mesh import StructuredGrid
 from ..operation import Length, Param, Port, Relative, absolute, operation
 from ..progress import Progress, advance, part_of, silent
 from ..quality import summary, validate
 from ..report import Report, Result
+from ..sizing import geometric
+from . import parabolic_march
+from .elliptic_problem import Asked, solved
 from .folds import refuse_folds
 from .fronts import Front, read_front, stop_told
 from .hyperbolic_march import Dissipation, Marched, layer_heights, marched
 from .limits import check_size
 from .marching_ends import Along, End, Free, Mirror, OnCurve, Splay
+from .outer_points import outer_points
 
 __all__ = ["hyperbolic", "layer_heights", "marched"]
 
@@ -38,6 +42,10 @@ def hyperbolic(
     ] = None,
     last_curve: Annotated[
         Curve | None, Port("Curve that the last point follows, if its end asks for it", cells=("line",), named=True)
+    ] = None,
+    outer: Annotated[
+        Curve | None,
+        Port("Curve to end at where the march cannot go on", cells=("line",), named=True),
     ] = None,
     *,
     first_height: Annotated[Length, Param("Height of the first layer", group="Layers")] = Relative(0.001),
@@ -87,6 +95,9 @@ def hyperbolic(
         the plane's normal (its largest component positive) points to.
     first_curve, last_curve : Mesh or (m, 3) float, optional
         In the same plane, from the front's first or last point on.
+    outer : Mesh or (m, 3) float, optional
+        Where the march cannot go on, the rest of the layers is made by the parabolic
+        scheme, or else by the elliptic equations, and ends on this curve.
     first_height : Length
         Height of the first layer.
     growth : float
@@ -156,8 +167,10 @@ def hyperbolic(
         closed=ready.closed,
         ends=ends,
         dissipation=Dissipation(smoothing, implicitness),
-        progress=part_of(progress, 0.0, 0.8),
+        progress=part_of(progress, 0.0, 0.6),
     )
+    if result.stop is not None and outer is not None:
+        result = _continued(ready, result, thickness, outer, part_of(progress, 0.6, 0.8))
     advance(progress, 0.8, "checking the grid")
     return _reported(ready, result, len(thickness))
 
@@ -195,6 +208,43 @@ def _ends(ready: Front, choices: tuple[str, str], curves: tuple, splay: float) -
             fixed = {"free": Free(), "plane": Mirror(), "constant x": Along((0, 1)), "constant y": Along((1, 0))}
             ends.append(Splay(splay) if choice == "splay" else fixed[choice])
     return (ends[1], ends[0]) if ready.reversed else (ends[0], ends[1])
+
+
+def _continued(ready: Front, result: Marched, heights: np.ndarray, outer: Curve, progress: Progress) -> Marched:
+    """The layers of a march that stopped, or as many of them as need be, and others from there to the outer curve."""
+    target, made = outer_points(ready, outer), result.stop.layer
+    tries = [("parabolic", k) for k in dict.fromkeys((made, max(0, made - 8), made // 2))]
+    tries += [("elliptic", k) for k in dict.fromkeys((made // 2, 0))]
+    for scheme, kept in tries:
+        start, layers = result.points[:, kept], max(2, len(heights) - kept)
+        reach = np.linalg.norm(target - start, axis=1)
+        first = np.broadcast_to(heights[min(kept, len(heights) - 1)], reach.shape) / reach
+        fractions = np.array([geometric(layers, first=f) for f in np.clip(first, 1e-11, 1 / layers)]).T
+        rest = _rest(scheme, ready, start, target, fractions, progress)
+        if rest is not None:
+            x, y, z = ready.plane.to_space(result.stop.place[None])[0]
+            ready.warnings.append(
+                f"beyond layer {kept} it is {scheme} and ends on the outer curve, since {result.stop.reason} at layer "
+                f"{made} near ({x:.6g}, {y:.6g}, {z:.6g}), where it is concave by {result.stop.concavity:.0f} degrees"
+            )
+            return Marched(np.concatenate([result.points[:, : kept + 1], rest[:, 1:]], axis=1), result.split, None)
+    return result
+
+
+def _rest(scheme: str, ready: Front, start, target, fractions, progress: Progress) -> np.ndarray | None:
+    """(n, layers + 1, 2) points from a front to the outer curve by another scheme; None if it finds no sound grid."""
+    if scheme == "parabolic":
+        rest = parabolic_march.marched(start, target, fractions, closed=ready.closed, progress=progress)
+        return rest.points if rest.stop is None else None
+    straight = start[:, None] + fractions.T[..., None] * (target - start)[:, None]
+    grid = StructuredGrid(
+        np.concatenate([straight, straight[:1]]) if ready.closed else straight, periodic=(ready.closed, False, False)
+    )
+    try:
+        points = solved(grid, Asked(control="boundary spacing"), progress).mesh.points[:, :, 0, :2]
+    except (GenerationFailed, InvalidGeometry):
+        return None
+    return points[:-1] if ready.closed else points
 
 
 def _reported(ready: Front, result: Marched, asked: int) -> Result:

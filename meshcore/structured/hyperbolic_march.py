@@ -127,7 +127,7 @@ def layer_heights(
     first, growth = float(first), float(growth)
     _check(first, growth, largest)
     if distance is None:
-        return np.minimum(first * growth ** np.arange(_count(layers)), largest)
+        return _heights(first, growth, _count(layers), largest)
     if not distance > 0 or not math.isfinite(distance):
         raise InvalidInput(f"must be greater than zero, got {distance:g}", parameter="distance")
     if layers is None:
@@ -141,16 +141,21 @@ def layer_heights(
             parameter="first_height",
         )
     low, high = 1.0, 3.0
-    if np.minimum(first * high ** np.arange(count), largest).sum() < distance:
+    if _heights(first, high, count, largest).sum() < distance:
         raise InvalidInput(
             f"{count} layers from {first:g} on reach {distance:g} only with a growth above {high:g}; give more layers",
             parameter="layers",
         )
     for _ in range(200):
         middle = 0.5 * (low + high)
-        short = np.minimum(first * middle ** np.arange(count), largest).sum() < distance
+        short = _heights(first, middle, count, largest).sum() < distance
         low, high = (middle, high) if short else (low, middle)
-    return np.minimum(first * high ** np.arange(count), largest)
+    return _heights(first, high, count, largest)
+
+
+def _heights(first: float, growth: float, count: int, largest: float) -> np.ndarray:
+    with np.errstate(over="ignore"):  # infinite heights only tell that less growth is enough
+        return np.minimum(first * growth ** np.arange(count), largest)
 
 
 def _check(first: float, growth: float, largest: float) -> None:

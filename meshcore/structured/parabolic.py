@@ -6,8 +6,8 @@ from typing import Annotated
 
 import numpy as np
 
-from ..errors import GenerationFailed, InvalidGeometry, InvalidInput
-from ..geometry.curves import Curve, arc_length, is_closed, polyline, resampled
+from ..errors import GenerationFailed, InvalidInput
+from ..geometry.curves import Curve, polyline
 from ..mesh import StructuredGrid
 from ..operation import Length, Param, Port, Relative, absolute, operation
 from ..progress import Progress, advance, part_of, silent
@@ -17,13 +17,12 @@ from ..sizing import Spacing, cells_for_growth, geometric
 from .folds import refuse_folds
 from .fronts import Front, read_front, stop_told
 from .limits import check_size
+from .outer_points import outer_points
 from .parabolic_march import marched
 
 __all__ = ["marched", "parabolic"]
 
 _CURE = "give the front more points where it bends, or move the outer curve away"
-EVENNESS = 0.5
-"""Share of the outer curve's points that stand evenly; the rest follow the front's own spacing."""
 
 
 @operation("Parabolic Grid", category="Structured", output="grid")
@@ -117,7 +116,7 @@ def parabolic(
     True
     """
     ready = read_front(front)
-    target = _outer_points(ready, outer)
+    target = outer_points(ready, outer)
     sides = [None if side is None else ready.plane.to_plane(polyline(side)) for side in (first_side, last_side)]
     if ready.reversed:
         sides.reverse()
@@ -168,58 +167,3 @@ def _fractions(ready: Front, outer: np.ndarray, height, growth, layers, spacing)
         raise InvalidInput(
             f"{height:.6g} does not fit {layers} layers over {nearest:.6g}: {error}", parameter="first_height"
         ) from None
-
-
-def _outer_points(ready: Front, curve: Curve) -> np.ndarray:
-    """(n, 2) float: points of the outer curve for those of the front, in its direction."""
-    spatial = polyline(curve, "outer")
-    closed = is_closed(spatial)
-    if closed != ready.closed:
-        words = ("closed", "open")
-        raise InvalidGeometry(
-            f"is {words[not closed]}, but the front is {words[not ready.closed]}; make them alike", parameter="outer"
-        )
-    off = float(np.abs(ready.plane.deviations(spatial)).max())
-    if off > 1e-6 * ready.diagonal:
-        raise InvalidGeometry(f"lies up to {off:.4g} off the front's plane; move it there", parameter="outer")
-    points = ready.plane.to_plane(spatial)
-    front, n = ready.points, len(ready.points)
-    if not closed:
-        ends = points[[0, -1]]
-        straight = np.linalg.norm(ends - front[[0, -1]], axis=1).sum()
-        if np.linalg.norm(ends[::-1] - front[[0, -1]], axis=1).sum() < straight:
-            points = points[::-1]
-        return points if len(points) == n else resampled(points, _shares(front, closed=False))
-    ring = points[:-1]
-    x, y = (ring - ring[0]).T
-    if (x * np.roll(y, -1) - y * np.roll(x, -1)).sum() > 0:
-        ring = ring[::-1]
-    if len(ring) == n:
-        return np.roll(ring, -int(np.argmin(np.linalg.norm(ring - front[0], axis=1))), axis=0)
-    ring = _begun_beside(ring, front)
-    return resampled(ring, _shares(front, closed=True))[:-1]
-
-
-def _begun_beside(ring: np.ndarray, front: np.ndarray) -> np.ndarray:
-    """A closed ring (m + 1, 2) that begins where the line from the front's middle through its first point meets it."""
-    away = front[0] - front.mean(axis=0)
-    after = np.roll(ring, -1, axis=0)
-    side = away[0] * (ring - front[0])[:, 1] - away[1] * (ring - front[0])[:, 0]
-    other = np.roll(side, -1)
-    share = np.where(side != other, side / np.where(side != other, side - other, 1.0), 0.0)
-    places = ring + share[:, None] * (after - ring)
-    ahead = (places - front[0]) @ away
-    meets = np.flatnonzero((side * other <= 0) & (ahead >= 0) & (share < 1))
-    if not len(meets):
-        k = int(np.argmin(np.linalg.norm(ring - front[0], axis=1)))
-        return np.concatenate([ring[k:], ring[: k + 1]])
-    k = meets[np.argmin(ahead[meets])]
-    begun = np.concatenate([places[k : k + 1], ring[k + 1 :], ring[: k + 1], places[k : k + 1]])
-    return begun[np.concatenate([[True], (np.diff(begun, axis=0) != 0).any(axis=1)])]
-
-
-def _shares(front: np.ndarray, *, closed: bool) -> np.ndarray:
-    """Where the front's points stand along the outer curve, from 0 to 1: evenly in part, in part as on the front."""
-    line = np.concatenate([front, front[:1]]) if closed else front
-    length = arc_length(line)
-    return EVENNESS * np.linspace(0, 1, len(line)) + (1 - EVENNESS) * length / length[-1]

@@ -6,7 +6,7 @@ import pytest
 import meshcore as mc
 from meshcore import gallery
 from meshcore.errors import Cancelled, GenerationFailed, InvalidGeometry, InvalidInput
-from meshcore.geometry.curves import polyline, turning
+from meshcore.geometry.curves import lines_through, polyline, turning
 from meshcore.sizing.around_loop import respaced_loop
 from meshcore.structured._block_tridiagonal_kernels import solve
 from meshcore.structured._collision_kernels import collisions
@@ -168,6 +168,16 @@ def test_a_march_that_cannot_go_on_stops_with_a_valid_grid_and_says_where():
     grid, report = mc.hyperbolic(gallery.l_shape(8), other_side=True, distance=3.0)
     assert not report.converged and "concave by" in report.warnings[-1] and "the front's point" in report.warnings[-1]
     assert 3 < grid.shape[1] < 60 and naive.sound(grid.points[:-1, :, 0, :2], True)
+
+
+def test_a_march_that_cannot_go_on_ends_on_the_outer_curve_if_there_is_one():
+    bay = lines_through(horseshoe(0.02, 1.9, 60)[::-1], closed=True)
+    stopped, report = mc.hyperbolic(bay, first_height=0.004, layers=40)
+    assert not report.converged
+    grid, report = mc.hyperbolic(bay, outer=gallery.circle(60, radius=6.0), first_height=0.004, layers=40)
+    assert report.converged and "ends on the outer curve" in report.warnings[-1]
+    assert np.abs(np.linalg.norm(grid.points[:, -1, 0], axis=1) - 6).max() < 0.02
+    assert naive.sound(grid.points[:-1, :, 0, :2], True) and grid.shape[1] > stopped.shape[1]
 
 
 # ---- open fronts and their ends
