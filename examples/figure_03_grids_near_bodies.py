@@ -1,7 +1,7 @@
 """Grids near bodies, as overset grids begin with (survey, figure 3, left part).
 
-Each body has a boundary-fitted grid of its own, which need not match the others: an airfoil and its flap are marched off
-by the hyperbolic equations. The cells of each cover what lies between the body and the outermost front, once.
+Each body has a boundary-fitted grid of its own, which need not match the others: an airfoil and its flap are marched
+off by the hyperbolic equations. The cells of each cover what lies between the body and the outermost front, once.
 """
 
 import sys

@@ -1,7 +1,7 @@
 """Marching grids (survey, section 2.7): hyperbolic round a section, out of a deep bay, and parabolic to a box.
 
-The hyperbolic march keeps heights and right angles; in the bay, whose walls would meet before the layers are done, it is
-drawn out by dissipation. The parabolic march ends on the box that it is given, exactly.
+The hyperbolic march keeps heights and right angles; in the bay, whose walls would meet before the layers are done, it
+is drawn out by dissipation. The parabolic march ends on the box that it is given, exactly.
 """
 
 import sys

@@ -1564,6 +1564,15 @@ class meshcoreEllipticSmoothing(Operation):
       <Documentation>Curve that the last point follows, if its end asks for it.</Documentation>
       <Hints><Optional/></Hints>
     </InputProperty>
+    <InputProperty name="Outer" label="Outer" port_index="3" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Curve to end at where the march cannot go on.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
     <DoubleVectorProperty name="FirstHeight" label="First Height" command="SetFirstHeight" number_of_elements="1" default_values="-1" panel_visibility="default">
       <BoundsDomain name="range" mode="scaled_extent" scale_factor="0.001"><RequiredProperties><Property name="Input" function="Input"/></RequiredProperties></BoundsDomain>
       <Documentation>Height of the first layer; -1 takes 0.1% of the diagonal of the input's bounding
@@ -1636,7 +1645,7 @@ class meshcoreEllipticSmoothing(Operation):
 class meshcoreHyperbolicGrid(Operation):
     operation = "hyperbolic"
     label = "meshcore Hyperbolic Grid"
-    ports = (("front", "curve", False), ("first_curve", "curve", True), ("last_curve", "curve", True))
+    ports = (("front", "curve", False), ("first_curve", "curve", True), ("last_curve", "curve", True), ("outer", "curve", True))
     output = "vtkStructuredGrid"
 
     def SetFirstHeight(self, value):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import InvalidGeometry
-from ..geometry.curves import Curve, arc_length, is_closed, polyline, resampled
+from ..geometry.curves import NOTICEABLE, Curve, arc_length, is_closed, polyline, resampled, turning
 from .fronts import Front
 
 EVENNESS = 0.5
@@ -45,7 +45,7 @@ def outer_points(ready: Front, curve: Curve) -> np.ndarray:
         straight = np.linalg.norm(ends - front[[0, -1]], axis=1).sum()
         if np.linalg.norm(ends[::-1] - front[[0, -1]], axis=1).sum() < straight:
             points = points[::-1]
-        return points if len(points) == n else resampled(points, _shares(front, closed=False))
+        return points if len(points) == n else resampled(points, _shares(front, points, closed=False))
     ring = points[:-1]
     x, y = (ring - ring[0]).T
     if (x * np.roll(y, -1) - y * np.roll(x, -1)).sum() > 0:
@@ -53,7 +53,7 @@ def outer_points(ready: Front, curve: Curve) -> np.ndarray:
     if len(ring) == n:
         return np.roll(ring, -int(np.argmin(np.linalg.norm(ring - front[0], axis=1))), axis=0)
     ring = _begun_beside(ring, front)
-    return resampled(ring, _shares(front, closed=True))[:-1]
+    return resampled(ring, _shares(front, ring, closed=True))[:-1]
 
 
 def _begun_beside(ring: np.ndarray, front: np.ndarray) -> np.ndarray:
@@ -74,8 +74,18 @@ def _begun_beside(ring: np.ndarray, front: np.ndarray) -> np.ndarray:
     return begun[np.concatenate([[True], (np.diff(begun, axis=0) != 0).any(axis=1)])]
 
 
-def _shares(front: np.ndarray, *, closed: bool) -> np.ndarray:
-    """Where the front's points stand along the outer curve, from 0 to 1: evenly in part, in part as on the front."""
+def _shares(front: np.ndarray, curve: np.ndarray, *, closed: bool) -> np.ndarray:
+    """Where the front's points stand along the outer curve, from 0 to 1: evenly in part, in part as on the front.
+
+    The nearest points move to the curve's corners.
+    """
     line = np.concatenate([front, front[:1]]) if closed else front
-    length = arc_length(line)
-    return EVENNESS * np.linspace(0, 1, len(line)) + (1 - EVENNESS) * length / length[-1]
+    length, along = arc_length(line), arc_length(curve)
+    shares = EVENNESS * np.linspace(0, 1, len(line)) + (1 - EVENNESS) * length / length[-1]
+    turn = turning(curve[:-1] if closed else curve)
+    for corner in np.flatnonzero(np.abs(turn) > NOTICEABLE):
+        at = along[corner] / along[-1]
+        k = int(np.argmin(np.abs(shares - at)))
+        if 0 < k < len(shares) - 1 and shares[k - 1] < at < shares[k + 1]:
+            shares[k] = at
+    return shares

@@ -58,6 +58,13 @@ def test_points_of_the_outer_curve_are_kept_and_paired():
     assert np.linalg.norm(grid.points[0, -1, 0] - [3.3, 0, 0]) < 1e-12
 
 
+def test_corners_of_the_outer_curve_are_points_of_the_grid():
+    box = polyline(gallery.square(size=6.0)) - [2.5, 3, 0]
+    grid, _ = mc.parabolic(gallery.airfoil("rae2822"), box, first_height=1e-3)
+    outer = {tuple(p) for p in grid.points[:, -1, 0].round(9)}
+    assert {tuple(p) for p in box.round(9)} <= outer and naive.sound(grid.points[:-1, :, 0, :2], True)
+
+
 def test_sides_and_spacing_of_an_open_front():
     wave = LINE + [0, 0.1] * np.sin(2 * np.pi * LINE[:, :1])
     roof = np.array([[0.0, 1.0], [0.4, 1.3], [1.2, 1.0]])
