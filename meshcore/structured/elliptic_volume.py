@@ -138,9 +138,9 @@ def elliptic_volume(
         Degrees between the wall and the lines that leave it; other than 90, they lean in its first direction: that in
         which i grows, or j on faces across i.
     lean_at_edges : bool
-        Whether lines near the edges of a wall lean as those on the faces beside it do, as far as about a quarter of
-        the wall's width; otherwise they are to turn within three cells, which they cannot where faces meet at acute
-        angles.
+        Whether lines near the edges of a wall lean as those on the faces beside it do, of which a fifth is left after a
+        quarter of the wall's width; otherwise they are to turn within three cells, which they cannot where faces meet
+        at acute angles.
     sliding : bool
         Whether the points of walls slide on the bicubic surfaces through them to make the angle (Neumann's condition),
         between their edges.

@@ -13,7 +13,7 @@ NEAR_EDGE = 3
 """Nodes beside an edge of a face that are not judged: one more than in the plane, lines turning about two edges."""
 _FLAT = 1e-6  # sine between a face's lines below which it has no normal there
 _TINY = 1e-300
-_EASING = 10  # power of the distance from the opposite edge with which a lean at an edge falls off
+_EASING = 6  # power of the distance from the opposite edge with which a lean at an edge falls off
 _LARGEST_SLOPE = 3.0
 Closed = tuple[bool, bool, bool]
 

@@ -51,7 +51,9 @@ def test_sliding_and_first_heights_at_once(shape, face):
     )
     assert report.converged and report.iterations < 30
     assert report.quality["error of wall angles (degree)"] < 1 and report.quality["error of first heights (%)"] < 5
-    assert naive_angles(grid.points, face)[8:-8, 8:-8].max() < 2
+    # What is asked leans a little even there, since lines on the faces beside it do.
+    leaning = naive_angles(start, face)[[1, -2], 1:-1].max()
+    assert naive_angles(grid.points, face)[8:-8, 8:-8].max() < 1.5 + 0.2 * leaning
     assert count_folded(grid.points) == 0
 
 

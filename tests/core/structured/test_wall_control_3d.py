@@ -133,7 +133,7 @@ def test_walls_come_to_be_as_asked(shape, face):
     points = grid.points
     off = naive_angles(points, face)
     middle = np.s_[9:-9, 9:-9]  # where lines at the edges are not felt
-    assert off[middle].max() < 1.5
+    assert off[middle].max() < 1.5 + 0.2 * naive_angles(start, face)[[1, -2], 1:-1].max()
     lines = np.moveaxis(points, axis_of(face), 0)[:: -1 if face.endswith("max") else 1]
     heights = np.linalg.norm(lines[1] - lines[0], axis=-1)[4:-4, 4:-4]
     assert abs(heights / height - 1).max() < 0.05
