@@ -35,7 +35,7 @@ from .winslow_3d import FIRST_CELLS, set_growth
 LEAST_CELLS = 16
 """Cells that a direction keeps on all levels: coarser ones cannot hold a control function that falls off in a few."""
 _LARGEST_CONTROL = 2.5
-"""More than in the plane: lines turn farther where faces meet at acute angles, which twisted blocks have everywhere."""
+"""Where faces meet at acute angles, as in twisted blocks, lines turn too far for Sorenson's limit of 1.5."""
 _NEGLIGIBLE = 40.0  # of exp(-x)
 
 
