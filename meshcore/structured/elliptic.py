@@ -128,8 +128,8 @@ def elliptic(
     control : {"boundary spacing", "none"}
         Control functions from the boundary's spacing (Thomas and Middlecoff, with the boundary's curvature), or none.
     walls : {"none", "south", "east", "north", "west", "south and north", "west and east", "all"}
-        Sides of a planar grid at which control functions are found, while it is solved, so that lines leave the wall
-        at an angle and the first cells have a height (Steger and Sorenson).
+        Sides at which control functions are found, while the grid is solved, so that lines leave the wall at an angle
+        and the first cells have a height (Steger and Sorenson); on a surface, in its tangent planes.
     first_height : Length, optional
         Length of the first edge at walls. Where cells are given, the two sides that end at a wall get it as their
         spacing there, unless another is asked for; sides that keep their points should have it.
@@ -170,7 +170,7 @@ def elliptic(
     Raises
     ------
     InvalidInput
-        If the sides do not fit each other, or a control is impossible, such as walls of a curved patch.
+        If the sides do not fit each other, or a control is impossible, such as sliding on a curved patch.
     InvalidGeometry
         If sides do not meet, cross each other, or have coincident points; if a surface has no facets, or one side only.
     GenerationFailed

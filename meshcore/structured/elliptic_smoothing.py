@@ -82,8 +82,7 @@ def elliptically_smoothed(
     control : {"none", "boundary spacing"}
         Control functions from the given grid's spacing at its sides, or none.
     walls : {"none", "south", "east", "north", "west", "south and north", "west and east", "all"}
-        Sides of a planar grid at which lines shall leave at an angle and the first cells have a height, as for
-        `elliptic`.
+        Sides at which lines shall leave at an angle and the first cells have a height, as for `elliptic`.
     first_height : Length, optional
         Length of the first edge at walls.
     wall_angle : float
@@ -114,7 +113,7 @@ def elliptically_smoothed(
     Raises
     ------
     InvalidInput
-        If the grid has layers, or a control is impossible, such as walls of a curved grid.
+        If the grid has layers, or a control is impossible, such as sliding on a curved grid.
     InvalidGeometry
         If the quads of a mesh are not in rows and columns, or a surface has no facets, or one side only.
     GenerationFailed

@@ -7,6 +7,7 @@ import numpy as np
 from ..errors import InvalidGeometry, InvalidInput
 from ..geometry.closest import FacetedSurface
 from ..geometry.plane import fitted_plane
+from ..geometry.surfaces import SplineSurface
 from ..mesh import StructuredGrid
 from ..progress import Progress, silent
 from ..report import Result
@@ -15,7 +16,8 @@ from .control_functions import from_poles, poles
 from .elliptic_problem import SHARES, Asked, Found, as_found, reported
 from .folds import folded_cells, refuse_folds
 from .on_facets import CURE, checked_on, folded_on
-from .winslow_surface import draped, smoothed
+from .winslow import CUT
+from .winslow_surface import draped, on_own_surface, smoothed, walled
 
 _CURE = (
     "a grid cannot be unfolded on the surface through its own points; move its corners to where the boundary turns by "
@@ -73,7 +75,11 @@ def _is_planar(grid: StructuredGrid) -> bool:
 def _refuse_what_is_planar(asked: Asked) -> None:
     for parameter, given, what in (
         ("equation", asked.equation != "Poisson", 'the biharmonic equation is for planar grids; choose "Poisson"'),
-        ("walls", bool(asked.walls), "angles and heights at walls are controlled in planar grids only; leave them out"),
+        (
+            "sliding",
+            any(wall.slides for wall in asked.walls),
+            "points slide along walls of planar grids only; leave it out",
+        ),
         ("periodic", asked.periodic, "passages that repeat are planar; close the grid around an axis instead"),
     ):
         if given:
@@ -86,6 +92,7 @@ def _curved(
     """Solve; with less control as long as that leaves no sound grid."""
     if min(points.shape[:2]) < 3:
         return Found(points, [0.0], True)
+    _refuse_walls(points, cyclic, asked)
     controls = asked.growth(points, cyclic)
     # Control from the boundary's spacing knows of poles by itself.
     around_poles = None if asked.control == "boundary spacing" else from_poles(points)
@@ -103,6 +110,8 @@ def _curved(
 
 
 def _once(points, growth, cyclic: bool, asked: Asked, surface: FacetedSurface | None, progress: Progress) -> Found:
+    if asked.walls:
+        return _with_walls(points, growth, cyclic, asked, surface, progress)
     how = {
         "growth": growth,
         "cyclic": cyclic,
@@ -113,3 +122,23 @@ def _once(points, growth, cyclic: bool, asked: Asked, surface: FacetedSurface | 
     new, outcome = smoothed(points, **how) if surface is None else draped(surface, points, **how)
     history = [residual / (outcome.residuals[0] or 1.0) for residual in outcome.residuals]
     return as_found(new, history, outcome.converged, outcome.error, asked)
+
+
+def _refuse_walls(points: np.ndarray, cyclic: bool, asked: Asked) -> None:
+    """Refuse walls where there is nothing that lines could leave."""
+    ends = {"south": (1, 0), "east": (0, -1), "north": (1, -1), "west": (0, 0)}
+    for wall in asked.walls:
+        if cyclic and wall.side in CUT:
+            raise InvalidInput(f"{wall.side} is where the closed grid is cut, not a wall", parameter="walls")
+        if ends[wall.side] in poles(points):
+            raise InvalidInput(f"{wall.side} is one point, at which lines make no angle", parameter="walls")
+
+
+def _with_walls(points, growth, cyclic: bool, asked: Asked, surface: FacetedSurface | None, progress) -> Found:
+    if surface is not None:
+        new, went = walled(surface, points, list(asked.walls), growth, cyclic=cyclic, progress=progress)
+    else:
+        own = SplineSurface(points, cyclic=cyclic)
+        found, went = walled(own, own.parameters, list(asked.walls), growth, cyclic=cyclic, progress=progress)
+        new = on_own_surface(own, found, points, cyclic)
+    return Found(new, went.history, went.converged, went.warnings, went.quality)

@@ -13,13 +13,14 @@ from ..threads import Workers
 from . import _winslow_surface_kernels as kernels
 from .folds import beside_poles
 from .multigrid import Level
-from .transfer import Ring, Transfer, coarsened, growth_on_coarse
+from .transfer import LEAST_CELLS, Line, Ring, Transfer, coarsened, coarser, growth_on_coarse
 
 
 class OnSurface(Level):
     """One grid on a surface: x and f of shape (m, ni, nj); how x stands for points, those derived from it know."""
 
     cyclic: bool
+    sweeps = 2
     _period: tuple[float, ...]
     """By what the last row of a cyclic grid differs from the first, in x."""
 
@@ -37,8 +38,8 @@ class OnSurface(Level):
         self._control = -2 * np.tanh(growth.reshape(-1) / 2)
 
     def smooth(self, *, back: bool) -> None:
-        """Zebra lines along i and j, twice, or in the reverse order: coarse corrections fit less than in a plane."""
-        for axis in (1, 0, 1, 0) if back else (0, 1, 0, 1):
+        """Zebra lines along i and j, or in the reverse order, more than once: coarse grids fit less than in a plane."""
+        for axis in ((1, 0) if back else (0, 1)) * self.sweeps:
             self._sweep(axis)
 
     @abstractmethod
@@ -48,6 +49,10 @@ class OnSurface(Level):
     @abstractmethod
     def _evaluated(self) -> tuple[np.ndarray, np.ndarray]:
         """Flat points and tangents at x, which is kept on the surface."""
+
+    @abstractmethod
+    def points_and_normals(self) -> tuple[np.ndarray, np.ndarray]:
+        """(ni, nj, 3) points and unit normals at x, or vectors without direction where there are none."""
 
     @abstractmethod
     def _right_side(self, tangents: np.ndarray) -> np.ndarray:
@@ -100,6 +105,13 @@ class Patch(OnSurface):
         """(ni, nj, 3) points of the surface."""
         return self._surface.points(*x)
 
+    def points_and_normals(self) -> tuple[np.ndarray, np.ndarray]:
+        """(ni, nj, 3) points and unit normals at x."""
+        self.settle()
+        normals = np.cross(*self._surface.tangents(*self.x))
+        length = np.linalg.norm(normals, axis=-1, keepdims=True)
+        return self.points_at(self.x), normals / np.where(length > 0, length, 1.0)
+
     def _evaluated(self) -> tuple[np.ndarray, np.ndarray]:
         """Flat points and tangents at x, which is kept within the surface."""
         self._close()
@@ -146,6 +158,12 @@ class Draped(OnSurface):
     def points_at(self, x: np.ndarray) -> np.ndarray:
         """(ni, nj, 3) points as they are."""
         return np.moveaxis(x, 0, -1)
+
+    def points_and_normals(self) -> tuple[np.ndarray, np.ndarray]:
+        """(ni, nj, 3) points and unit normals at x."""
+        self._close()
+        foot = dropped(self._surface, self.x, self.cyclic)
+        return self.points_at(self.x), foot.normals.reshape(*self._shape, 3)
 
     def _evaluated(self) -> tuple[np.ndarray, np.ndarray]:
         """Flat points and orthonormal tangents at x, whose inner points are dropped on the surface."""
@@ -256,9 +274,14 @@ def corner_areas(plane: np.ndarray) -> np.ndarray:
 
 
 def levels_on(
-    surface: Surface | FacetedSurface, x: np.ndarray, growth: np.ndarray | None, cyclic: bool, workers: Workers
+    surface: Surface | FacetedSurface,
+    x: np.ndarray,
+    growth: np.ndarray | None,
+    cyclic: bool,
+    workers: Workers,
+    fewest: int = LEAST_CELLS,
 ) -> list[OnSurface]:
-    """The grid x and ever coarser ones, finest first, down to where no direction can be coarsened."""
+    """The grid x and ever coarser ones, finest first, down to where no direction of so many cells can be coarsened."""
     theta = np.empty((2, 0, 0)) if growth is None else growth
     draped = isinstance(surface, FacetedSurface)
     kind = Draped if draped else Patch
@@ -266,7 +289,7 @@ def levels_on(
     points = x if draped else np.moveaxis(surface.points(*x), -1, 0)
     size = float(np.ptp(points.reshape(3, -1), axis=1).max()) or 1.0
     levels = [kind(surface, size, x, theta, cyclic, sign)]
-    while lines := coarsened(levels[-1].x.shape[1:]):
+    while lines := _coarsened(levels[-1].x.shape[1:], fewest):
         if cyclic:
             lines = (Ring(lines[0].fine, lines[0].coarse), lines[1])
         transfer = _Dropping(lines, workers, surface, cyclic) if draped else Transfer(lines, workers)
@@ -274,6 +297,18 @@ def levels_on(
         theta = theta if growth is None else growth_on_coarse(transfer, theta)
         levels.append(kind(surface, size, transfer.sampled(levels[-1].x), theta, cyclic, sign))
     return levels
+
+
+def _coarsened(shape: tuple[int, ...], fewest: int) -> tuple[Line, ...]:
+    return coarsened(shape, [coarser(n - 1, fewest) < n - 1 for n in shape])
+
+
+def set_growth(levels: list[OnSurface], growth: np.ndarray) -> None:
+    """Give (2, ni, nj) logarithms of growth to the finest level, and what they are on them to the coarser ones."""
+    for level in levels:
+        level.set_growth(growth)
+        if level.transfer is not None:
+            growth = growth_on_coarse(level.transfer, growth)
 
 
 def _side(surface: Surface | FacetedSurface, x: np.ndarray) -> float:

@@ -11,6 +11,8 @@ from ..threads import Workers
 from .control_functions import from_boundary
 from .multigrid import Outcome, first_level, solve
 from .surface_levels import levels_on
+from .wall_control import Controlled, Wall
+from .wall_control_surface import FEWEST_CELLS, controlled
 
 FIRST_CELLS = 32
 """Full multigrid begins on the coarsest grid with so many cells in each direction, or as many as there are."""
@@ -123,10 +125,55 @@ def _solved(surface, start, growth, cyclic, tolerance, most, progress) -> tuple[
         first = first_level(levels, FIRST_CELLS)
         outcome = solve(levels, first=first, tolerance=tolerance, most=most, workers=workers, progress=progress)
         levels[0].settle()
+    return _with_boundary(start, levels[0].x, cyclic), outcome
+
+
+def walled(
+    surface: Surface | FacetedSurface,
+    start: np.ndarray,
+    walls: list[Wall],
+    growth: np.ndarray | None = None,
+    *,
+    cyclic: bool = False,
+    progress: Progress = silent,
+) -> tuple[np.ndarray, Controlled]:
+    """The elliptic grid on a surface whose lines leave walls at given angles, and whose cells there have given heights.
+
+    Parameters
+    ----------
+    surface : Surface or FacetedSurface
+        Where the points lie.
+    start : (ni, nj, 2) or (ni, nj, 3) float
+        Parameters of a surface that has them, or points near facets; the boundary is kept.
+    walls : list of Wall
+        What is asked, none of which slides.
+    growth : (2, ni, nj) float, optional
+        Control functions to which those of the walls are added.
+    cyclic, progress
+        As for `solved`.
+
+    Returns
+    -------
+    (ni, nj, 2) or (ni, nj, 3) float
+        Parameters or points.
+    went : Controlled
+        Errors of angles and heights.
+    """
+    growth = np.zeros((2, *start.shape[:2])) if growth is None else growth
+    with Workers(1) as workers:
+        x = np.ascontiguousarray(np.moveaxis(start, -1, 0))
+        levels = levels_on(surface, x, growth, cyclic, workers, FEWEST_CELLS)
+        went = controlled(levels, walls, growth, progress=progress)
+        levels[0].settle()
+    return _with_boundary(start, levels[0].x, cyclic), went
+
+
+def _with_boundary(start: np.ndarray, x: np.ndarray, cyclic: bool) -> np.ndarray:
+    """(ni, nj, m) of x inside, and on the boundary of the start."""
     new = start.copy()
     inner = np.s_[:, 1:-1] if cyclic else np.s_[1:-1, 1:-1]
-    new[inner] = np.moveaxis(levels[0].x, 0, -1)[inner]
-    return new, outcome
+    new[inner] = np.moveaxis(x, 0, -1)[inner]
+    return new
 
 
 def smoothed(
@@ -186,9 +233,14 @@ def smoothed(
         most=most,
         progress=progress,
     )
-    new = np.array(points, float)
-    inner = np.s_[:, 1:-1] if cyclic else np.s_[1:-1, 1:-1]
-    new[inner] = surface.points(*np.moveaxis(found, -1, 0))[inner]
+    return on_own_surface(surface, found, points, cyclic), outcome
+
+
+def on_own_surface(surface: SplineSurface, parameters: np.ndarray, points: np.ndarray, cyclic: bool) -> np.ndarray:
+    """(ni, nj, 3) points at parameters; those of the boundary are as they were, to the last bit."""
+    new = _with_boundary(
+        np.array(points, float), np.moveaxis(surface.points(*np.moveaxis(parameters, -1, 0)), -1, 0), cyclic
+    )
     if cyclic:
         new[-1] = new[0]
-    return new, outcome
+    return new

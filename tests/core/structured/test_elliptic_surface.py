@@ -197,8 +197,12 @@ def test_cells_that_bridge_a_gap_are_told():
 
 def test_what_cannot_be_had_on_a_surface_is_refused():
     ring = mc.StructuredGrid(cylinder(24, 12))
-    with pytest.raises(InvalidInput, match="walls"):
-        mc.elliptically_smoothed(ring, walls="south")
+    with pytest.raises(InvalidInput, match="slide along walls of planar grids only"):
+        mc.elliptically_smoothed(ring, walls="south", sliding=True)
+    with pytest.raises(InvalidInput, match="cut, not a wall"):
+        mc.elliptically_smoothed(ring, walls="west")
+    with pytest.raises(InvalidInput, match="south is one point"):
+        mc.elliptically_smoothed(mc.StructuredGrid(cap(24, 12)), walls="south")
     with pytest.raises(InvalidGeometry, match="none of which has an area"):
         mc.elliptically_smoothed(ring, mc.Mesh([[0, 0, 0], [1, 0, 0], [2, 0, 0]], {"triangle": [[0, 1, 2]]}))
     with pytest.raises(InvalidInput, match="surface"):
