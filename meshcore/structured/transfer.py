@@ -138,7 +138,7 @@ class Transfer:
         shape = list(values.shape)
         shape[1 + axis] = len(table[0])
         adds = target is not None
-        out = target if adds else np.zeros(shape)
+        out = target if adds else np.empty(shape)  # all of it is overwritten
         inner = int(np.prod(shape[2 + axis :]))
         source, flat = values.reshape(-1, values.shape[1 + axis], inner), out.reshape(-1, len(table[0]), inner)
 

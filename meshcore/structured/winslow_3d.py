@@ -172,7 +172,8 @@ class _Space(Level):
         self.x = np.ascontiguousarray(x)
         self.ghosts, self._kept = ghosts, ghosts.kept(self.x.shape[1:])
         ghosts.wrap(self.x)
-        self.f = np.zeros_like(self.x)
+        # Not zeros, here and below: they do not come in large pages, and first writes to small ones cost.
+        self.f = np.full(self.x.shape, 0.0)
         self.transfer = None
         self._defect: np.ndarray | None = None
         self._sign, self._workers = sign, workers
@@ -208,7 +209,7 @@ class _Space(Level):
     def defect(self) -> np.ndarray:
         """f - N(x), zero on the boundary; the array is used again by the next call."""
         if self._defect is None:
-            self._defect = np.zeros_like(self.x)
+            self._defect = np.full(self.x.shape, 0.0)
         self._squares(self._defect.reshape(-1))
         self.ghosts.wrap_vectors(self._defect)
         return self._defect
