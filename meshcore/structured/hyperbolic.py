@@ -129,7 +129,7 @@ def hyperbolic(
     Result
         `StructuredGrid` of (ni, layers + 1, 1) points, periodic in i if the front is closed, whose faces are the "wall"
         (jmin) and the "outer" front (jmax). If the march had to stop it has fewer layers, `converged` is False, and a
-        warning says at which point, layer and concavity.
+        warning says at which point, layer and concavity; the point data "stopped" are 1 there, for hosts to show.
 
     Raises
     ------
@@ -258,6 +258,10 @@ def _reported(ready: Front, result: Marched, asked: int) -> Result:
     grid = StructuredGrid(ready.in_space(result.points), names=names, periodic=(ready.closed, False, False))
     refuse_folds(grid, _CURE)
     validate(grid)
+    if result.stop is not None:
+        stopped = np.zeros(grid.shape)
+        stopped[[result.stop.point, -1] if ready.closed and result.stop.point == 0 else result.stop.point, -1] = 1
+        grid = grid.with_point_data(stopped=stopped)
     counts = {"points": grid.n_points, "quads": grid.n_cells, "layers": made}
     if result.split:
         counts["layers in smaller steps"] = result.split

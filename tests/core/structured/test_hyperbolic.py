@@ -164,9 +164,37 @@ def test_other_sections(front, first):
     assert result.stop is None and naive.sound(result.points, True)
 
 
+def test_edges_of_a_coarse_notch_that_vanish():
+    front = np.array(
+        [
+            (0.43, -0.18),
+            (0.11, -0.11),
+            (0.22, -0.53),
+            (-0, -0.8),
+            (-0.31, -0.75),
+            (-0.46, -0.46),
+            (-0.73, -0.3),
+            (-1.07, 0),
+            (-1.12, 0.46),
+            (-0.98, 0.98),
+            (-0.48, 1.16),
+            (0, 1.28),
+            (0.45, 1.09),
+            (1.11, 1.11),
+            (1.38, 0.57),
+            (1.33, 0),
+        ]
+    )
+    size = np.linalg.norm(np.ptp(front, axis=0))
+    result = marched(front, layer_heights(1e-4 * size, 1.5, layers=80, distance=10 * size), closed=True)
+    assert result.stop is None and naive.sound(result.points, True)
+
+
 def test_a_march_that_cannot_go_on_stops_with_a_valid_grid_and_says_where():
     grid, report = mc.hyperbolic(gallery.l_shape(8), other_side=True, distance=3.0)
     assert not report.converged and "concave by" in report.warnings[-1] and "the front's point" in report.warnings[-1]
+    (i, j, _) = np.argwhere(grid.point_data["stopped"])[0]
+    assert j == grid.shape[1] - 1 and all(f"{x:.6g}" in report.warnings[-1] for x in grid.points[i, j, 0])
     assert 3 < grid.shape[1] < 60 and naive.sound(grid.points[:-1, :, 0, :2], True)
 
 
