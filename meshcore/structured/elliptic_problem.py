@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..errors import InvalidGeometry, InvalidInput
+from ..errors import GenerationFailed, InvalidGeometry, InvalidInput
 from ..geometry.plane import fitted_plane
 from ..mesh import StructuredGrid
 from ..progress import Progress, silent
@@ -153,6 +153,8 @@ def solved(start: StructuredGrid, asked: Asked, progress: Progress = silent) -> 
     if asked.periodic:
         _check_periodic(flat)
     found = _planar(flat, start.periodic[0] or transposed or asked.periodic, asked, progress)
+    if not np.isfinite(found.points).all():
+        raise GenerationFailed(f"the grid went astray while walls were controlled; {_CURE}", partial=start)
     points = found.points.swapaxes(0, 1) if transposed else found.points
     spatial = plane.to_space(points.reshape(-1, 2)).reshape(*points.shape[:2], 3)
     for side in (side for side in SIDES if side not in (*cuts, *sliding)):

@@ -355,3 +355,15 @@ def test_a_sheared_box_is_its_own_laplace_grid():
     rough[1:-1, 1:-1, 0, :2] += 0.02 * np.random.default_rng(5).normal(size=(19, 11, 2))
     grid, report = mc.elliptically_smoothed(mc.StructuredGrid(rough), residual=1e-11)
     assert report.converged and np.abs(grid.points - exact).max() < 1e-9
+
+
+def test_a_grid_that_goes_astray_is_no_fault_of_the_users_points(monkeypatch):
+    from meshcore.structured import elliptic_problem
+
+    def astray(points, *arguments):
+        return elliptic_problem.Found(np.full_like(points, np.nan), [1.0], False)
+
+    monkeypatch.setattr(elliptic_problem, "_planar", astray)
+    with pytest.raises(GenerationFailed, match=r"went astray while walls were controlled; .*ask for less") as caught:
+        mc.elliptic(*WAVY, walls="south")
+    assert np.isfinite(caught.value.partial.points).all()
