@@ -10,6 +10,7 @@ from .winslow import Frame
 
 _MARGINS = (1, 2, 4, 8)  # cells around the folded ones that may move; more if fewer do not help
 _HALVINGS = 24
+_GAIN, _IDLE = 0.01, 3  # of the worst corner; after so many halvings without that nothing unfolds a patch
 _ITERATIONS = 150
 _WINDOW = 8  # steps that the minimiser remembers
 _SOUND = 1e-6  # sine of a corner below which its cell belongs to the patch
@@ -152,8 +153,14 @@ def _without_folds(points: np.ndarray, sign: float) -> np.ndarray:
     room = [np.zeros_like(r), *room, np.zeros(_WINDOW)]
     least = kernels.functional(r, along_i, along_j, sign, 1.0, room[0])[1]
     delta = max(0.5, -least)  # a sound corner spans about 1 in these units
+    worst, idle = least, 0
     for _ in range(_HALVINGS):
-        if kernels.minimise(r, along_i, along_j, sign, delta, scale, *room, _ITERATIONS) > 0:
+        least = kernels.minimise(r, along_i, along_j, sign, delta, scale, *room, _ITERATIONS)
+        if least > 0:
             return frame.outside(r, points)
+        idle = idle + 1 if least < worst + _GAIN * abs(worst) else 0
+        if idle == _IDLE:
+            break
+        worst = max(worst, least)
         delta *= 0.5
     return points

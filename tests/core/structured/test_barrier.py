@@ -92,3 +92,23 @@ def test_a_corner_that_points_inwards_stays_and_all_else_is_unfolded():
     alone = square(9)
     alone[0, 0] = (0.1, 0.1)
     assert np.array_equal(unfolded(alone, 1.0), alone)
+
+
+def test_what_cannot_be_unfolded_is_given_up_when_it_gets_no_better(monkeypatch):
+    from meshcore.structured import barrier
+
+    x, y = np.meshgrid(np.linspace(0, 1, 9), np.linspace(0, 1, 5), indexing="ij")
+    points = np.stack([x, y], axis=-1)
+    points[4, 0, 1] = 1.5  # a point of the boundary beyond the opposite side
+    worst = []
+    minimise = barrier.kernels.minimise
+
+    def counted(*arguments):
+        worst.append(minimise(*arguments))
+        return worst[-1]
+
+    monkeypatch.setattr(barrier.kernels, "minimise", counted)
+    found = barrier._without_folds(points, 1.0)
+    assert np.array_equal(found, points)
+    assert barrier._IDLE < len(worst) < barrier._HALVINGS
+    assert max(worst[-barrier._IDLE :]) - max(worst[: -barrier._IDLE]) < barrier._GAIN * barrier._IDLE * abs(max(worst))
