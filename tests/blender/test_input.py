@@ -301,4 +301,3 @@ def test_named_sides_are_vertex_groups(installed):
     made = scene.active()
     assert {g.name for g in made.vertex_groups} == {"south", "east", "north", "west"}
     assert len(grid_corners(made)) == 4
-    assert not made.data["meshcore_report"]["converged"]  # no grid has that height between sides of equal cells
