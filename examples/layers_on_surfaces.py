@@ -27,7 +27,7 @@ def sheet(mesh, axis, place):
     nodes = mesh.facets.nodes
     quads = nodes[(nodes >= 0).all(axis=1)]
     inside = (np.abs(mesh.points[quads][:, :, axis] - place) < 1e-6).all(axis=1)
-    return mc.Mesh(mesh.points - place * np.eye(3)[axis], {"quad": quads[inside]}).compacted()
+    return mc.Mesh(mesh.points * (1 - np.eye(3)[axis]), {"quad": quads[inside]}).compacted()
 
 
 def main(folder="out"):

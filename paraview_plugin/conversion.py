@@ -156,8 +156,11 @@ def fill(output, result):
     VTK gets copies of the arrays. On numpy's own memory it would crash: a shallow copy of such an array, as
     vtkCellArray and some filters make, does not keep that memory alive.
     """
+    from meshcore import StructuredGrid
     from meshcore.io.vtk_data import encoded
 
+    if isinstance(result, StructuredGrid) and not isinstance(output, vtkStructuredGrid):
+        result = result.to_mesh()  # of an operation that gives what it was given, and has one type of output here
     data = encoded(result)
     if isinstance(output, vtkStructuredGrid) and result.names:
         data = replace(data, point_data={**data.point_data, FACE: _faces_of(result)})

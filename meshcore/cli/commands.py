@@ -92,12 +92,15 @@ def run_operation(arguments: argparse.Namespace, inputs: Inputs) -> None:
     paths = {name: getattr(arguments, name) for name in operation.inputs}
     paths = {name: path for name, path in paths.items() if path not in (None, Path(NO_FILE))}
     files.check_names([arguments.output, arguments.picture], paths.values())
-    files.check_mesh_file(arguments.output, operation.output)
+    if operation.output != "as given":
+        files.check_mesh_file(arguments.output, operation.output)
     files.check_picture_file(arguments.picture)
     with terminal.progress_bar(arguments.quiet) as bar:
         bar(0.0, "reading")
         for name, path in paths.items():
             inputs[name] = files.read(path, operation.inputs[name].type)
+        if operation.output == "as given":
+            files.check_mesh_file(arguments.output, files.kind_of(next(iter(inputs.values()))))
         bar(0.0, "compiling")  # what a first call does for seconds; the operation's own words follow
         mesh, report = operation.function(**inputs, **values, progress=bar)
         bar(1.0, "writing")
@@ -114,7 +117,8 @@ def run_operation(arguments: argparse.Namespace, inputs: Inputs) -> None:
             from .. import quality
 
             cells = mesh.to_mesh() if operation.output == "polyhedra" else mesh
-            print(f"\n{quality.report(cells)}")
+            for block in cells.blocks if isinstance(cells, MultiBlock) else (cells,):
+                print(f"\n{quality.report(block)}")
 
 
 def run_list(arguments: argparse.Namespace, inputs: Inputs) -> None:

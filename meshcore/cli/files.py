@@ -43,6 +43,11 @@ def check_names(outputs: Iterable[Path | None], inputs: Iterable[Path] = ()) -> 
         taken.add(path.resolve())
 
 
+def kind_of(mesh: Any) -> str:
+    """ "mesh" or "grid": what an operation makes that gives back what it was given."""
+    return "grid" if isinstance(mesh, (StructuredGrid, MultiBlock)) else "mesh"
+
+
 def check_mesh_file(path: Path, kind: str) -> None:
     """Refuse, before the work, a file that cannot take a result of this kind ("mesh", "grid" or "polyhedra").
 

@@ -38,7 +38,7 @@ CONVEX = 1.0
 _CURE = "give the surface more points there, ask for less distance, or round the corner"
 
 
-@operation("Extrude Hyperbolic", category="Structured")
+@operation("Extrude Hyperbolic", category="Structured", output="as given")
 def hyperbolic_volume(
     surface: Annotated[
         Union[Mesh, StructuredGrid, MultiBlock],

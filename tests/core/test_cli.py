@@ -92,6 +92,20 @@ def test_an_operation_gives_by_files_what_it_gives_by_a_call(name, tmp_path, cal
     assert not leftovers(tmp_path)
 
 
+@pytest.mark.parametrize("suffix", ["vts", "vtm", "xyz"])
+def test_layers_of_grids_and_blocks_are_grids_and_blocks(suffix, tmp_path, call):
+    blocks = gallery.six_patches(5)
+    given = blocks.blocks[0] if suffix == "vts" else blocks
+    mc.io.write(tmp_path / f"in.{suffix}", given)
+    paths = [tmp_path / f"{name}.{suffix}" for name in ("in", "out")]
+    code, _, err = call("hyperbolic-volume", paths[0], "-o", paths[1], "--layers", "3", "--histogram")
+    assert code == 0 and "error" not in err  # PLOT3D warns that it does not hold names of faces
+    written = mc.io.read(paths[1])
+    assert type(written) is type(given) and written.n_points == 4 * given.n_points
+    code, _, err = call("hyperbolic-volume", paths[0], "-o", tmp_path / "out.stl", "--layers", "3")
+    assert code and "error" in err and not (tmp_path / "out.stl").exists()
+
+
 def test_inputs_that_are_named_have_a_flag(tmp_path, call):
     """So that lines can be given with a loop alone, in place of four sides."""
     x = np.linspace(0, 1, 9)

@@ -270,5 +270,13 @@ def check_a_volume_keeps_its_inside_as_start():
     assert_same_mesh(dataset, meshcore.elliptic_volume(passage).mesh)
 
 
+def check_layers_of_a_structured_surface_are_unstructured():
+    patch = gallery.six_patches(5).blocks[0]
+    given = producer(structured(patch))
+    dataset = fetched(pv.meshcoreExtrudeHyperbolic(Input=given, FirstHeight=0.01, Layers=3))
+    grid, _ = meshcore.hyperbolic_volume(patch, first_height=0.01, layers=3)
+    assert_same_mesh(dataset, grid.to_mesh())
+
+
 if __name__ == "__main__":
     run_checks(globals())
