@@ -272,8 +272,8 @@ def operation(
     category : str
         Menu under which hosts show it.
     output : {"mesh", "grid", "polyhedra", "as given"}
-        Whether the function makes a `Mesh`, a `StructuredGrid` or a `PolyhedralMesh`, or what its first input is: a mesh
-        from a mesh, a grid from a grid, blocks from blocks. Hosts whose outputs have one type show a mesh.
+        Whether the function makes a `Mesh`, a `StructuredGrid` or a `PolyhedralMesh`, or what its first input is: a
+        mesh from a mesh, a grid from a grid, blocks from blocks. Hosts whose outputs have one type show a mesh.
 
     Returns
     -------
