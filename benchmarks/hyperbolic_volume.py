@@ -45,7 +45,7 @@ def speed(repeats: int, largest: int) -> None:
         "Marching alone; microseconds a point of the processor on one thread, points a second on the wall on two.",
     )
     print_row("grid", "points", "us a point", "million points/s", "cost over the smallest's", head=True)
-    sizes = [(21, 46), (33, 73), (65, 145), (93, 205)]
+    sizes = [(21, 46), (33, 73), (65, 145), (91, 199)]
     smallest = None
     for n, layers in [size for size in sizes if 6 * size[0] ** 2 * size[1] <= largest]:
         blocks = gallery.six_patches(n)

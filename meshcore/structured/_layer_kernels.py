@@ -16,7 +16,8 @@ SEEN = 0.05  # sine above the faces around below which a better direction is loo
 ROUNDS = 40
 CONVEX = 0.05  # part of the dissipation that is left where the front widens
 FAR = 0.1  # the same for the part that grows with the distance from the wall
-FADE = 0.8  # of dissipation from a node to its neighbours, each step
+FADE = 0.8  # of dissipation from a node to its neighbours, each step, near the wall
+WIDTH = 0.7  # spacings in the distance from the wall, over which it fades far from it
 COMPRESSED, BENT = 4.0, 4.0  # spacing lost, and mean bend of the ring, at which dissipation is whole: a quarter
 
 
@@ -218,7 +219,8 @@ def dissipation(
     As by Chan and Steger it is proportional to the height over the spacing, and whole where the front is concave or
     has narrowed, next to nothing where it widens (their sensors of angle and of grid convergence). A second part
     grows with the distance from the wall over the spacing: only so do corners look alike at all distances, rounded
-    by a radius in proportion to the distance, as the front's points must spread over ever more cells of the wall.
+    by a radius in proportion to the distance, as the front's points must spread over ever more cells of the wall. For
+    the same reason it reaches ever more cells from where it is whole.
 
     Parameters
     ----------
@@ -258,7 +260,8 @@ def dissipation(
         x, y, z = _held(held, projectors, i, x, y, z)
         nx, ny, nz = normal[U(i), 0], normal[U(i), 1], normal[U(i), 2]
         up = x * nx + y * ny + z * nz
-        part = min(1.0, max(0.0, COMPRESSED * (1 - least), BENT * up * inverse, FADE * around))
+        fade = max(FADE, 1 - WIDTH / (inverse * total))
+        part = min(1.0, max(0.0, COMPRESSED * (1 - least), BENT * up * inverse, fade * around))
         new_zone[U(i)] = part
         far = part * inverse + FAR * (1 - part) / longest
         e = height * inverse * (base * max(part, CONVEX) + growing * total * far)

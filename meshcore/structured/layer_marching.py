@@ -17,7 +17,7 @@ STRENGTHS = ((10.0, 5.0), (1.0, 0.1), (40.0, 20.0))
 """Coefficients of dissipation: what does for most surfaces, then less, for thin edges, and more, for deep corners."""
 NARROWEST = 0.3
 """Steps are split where a corner of the front would keep less than this part of its area."""
-SWEEPS, ENOUGH = 40, 1e-3
+SWEEPS, ENOUGH = 80, 1e-3
 """Iterations of a step's equations at most, and their last change, in units of the step's height."""
 HALVINGS = 2
 """How often a folded layer is tried again, with twice the steps and the dissipation."""

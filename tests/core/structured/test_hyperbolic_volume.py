@@ -8,6 +8,7 @@ from meshcore import gallery, quality
 from meshcore.errors import Cancelled, GenerationFailed, InvalidGeometry, InvalidInput
 from meshcore.structured import _layer_kernels as kernels
 from meshcore.structured.front_edges import free_edges
+from meshcore.structured.hyperbolic_march import layer_heights
 from meshcore.structured.hyperbolic_volume import concavity
 from meshcore.structured.layer_marching import marched
 from meshcore.structured.layer_surface import read_surface
@@ -135,6 +136,13 @@ def test_corners_do_not_fold(name):
     assert quality.validate(mesh) == []
     assert (quality.measure(mesh, "jacobian") > 0).all()
     assert (mesh.points[: surface.n_points] == surface.points).all()
+
+
+def test_a_concave_edge_of_many_cells_does_not_fold_far_from_the_wall():
+    """Dissipation must reach as far along the front as the front is from the wall, however many cells that is."""
+    graph = read_surface(body("ledge", 32)).graph
+    layers, outcome = marched(graph, layer_heights(3e-4, 1.2, layers=192, distance=5.0))
+    assert len(layers) == 193 and outcome.worst > 0.01
 
 
 def test_a_wing_tip_stays_on_its_plane_of_symmetry():
