@@ -16,6 +16,7 @@ from .control_functions import from_poles, poles
 from .elliptic_problem import SHARES, Asked, Found, as_found, reported
 from .folds import folded_cells, refuse_folds
 from .on_facets import CURE, checked_on, folded_on
+from .wall_control import ANGLE_WITHIN, HEIGHT_WITHIN
 from .winslow import CUT
 from .winslow_surface import draped, on_own_surface, smoothed, walled
 
@@ -141,4 +142,10 @@ def _with_walls(points, growth, cyclic: bool, asked: Asked, surface: FacetedSurf
         own = SplineSurface(points, cyclic=cyclic)
         found, went = walled(own, own.parameters, list(asked.walls), growth, cyclic=cyclic, progress=progress)
         new = on_own_surface(own, found, points, cyclic)
-    return Found(new, went.history, went.converged, went.warnings, went.quality)
+    warnings = went.warnings
+    if warnings and went.angle < ANGLE_WITHIN and went.height < HEIGHT_WITHIN:
+        warnings = [
+            f"walls are as asked, but the grid inside is not settled after {len(went.history) - 2} steps: the residual "
+            f"is {went.history[-1]:.2g} of the start's"
+        ]
+    return Found(new, went.history, went.converged, warnings, went.quality)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import meshcore as mc
+from meshcore import gallery
 from meshcore.errors import InvalidGeometry, InvalidInput
 from meshcore.geometry.closest import FacetedSurface
 from tests import naive
@@ -41,6 +42,20 @@ def test_normals_are_those_of_the_sphere_to_second_order():
             np.linalg.norm(foot.normals * np.sign((foot.normals * out).sum(axis=1))[:, None] - out, axis=1).max()
         )
     assert (np.log2(np.divide(errors[:-1], errors[1:])) > 1.8).all(), errors
+
+
+def test_lifts_reach_the_smooth_surface_but_not_over_a_ridge():
+    """Facets are off the sphere to second order, what is above them to more than that."""
+    at = sphere(37, 11).points[:, 2:-2].reshape(-1, 3)
+    errors = {"facets": [], "smooth": []}
+    for n in (24, 48, 96):
+        foot = FacetedSurface(sphere(n, n // 2)).closest(at)
+        errors["facets"].append(abs(np.linalg.norm(foot.points, axis=1) - 1).max())
+        errors["smooth"].append(abs(np.linalg.norm(foot.points + foot.lifts, axis=1) - 1).max())
+    assert (np.divide(errors["smooth"], errors["facets"]) < [0.2, 0.1, 0.05]).all(), errors
+    box = mc.Mesh(gallery.dented_box(2, depth=0.0).points, gallery.dented_box(2, depth=0.0).cells)
+    foot = FacetedSurface(box).closest(np.random.default_rng(4).random((50, 3)))
+    assert abs(foot.lifts).max() < 1e-12
 
 
 def test_facets_of_any_orientation_agree():
@@ -88,7 +103,7 @@ def test_normals_turn_without_jumps_over_a_ridge():
 
 def test_what_is_no_surface_is_refused():
     with pytest.raises(InvalidInput, match="needs triangles or quads"):
-        FacetedSurface(mc.gallery.circle())
+        FacetedSurface(gallery.circle())
     with pytest.raises(InvalidInput, match="needs a Mesh or a StructuredGrid, got list"):
         FacetedSurface([[0, 0, 0]])
     with pytest.raises(InvalidGeometry, match="none of which has an area"):

@@ -206,7 +206,7 @@ def test_what_cannot_be_had_on_a_surface_is_refused():
     with pytest.raises(InvalidGeometry, match="none of which has an area"):
         mc.elliptically_smoothed(ring, mc.Mesh([[0, 0, 0], [1, 0, 0], [2, 0, 0]], {"triangle": [[0, 1, 2]]}))
     with pytest.raises(InvalidInput, match="surface"):
-        mc.elliptically_smoothed(ring, mc.gallery.circle())
+        mc.elliptically_smoothed(ring, gallery.circle())
 
 
 def torus_start(n, m):
