@@ -20,12 +20,12 @@ def show(context: Any, label: str, source: str, result: Any) -> tuple[Any, list[
     It stands at the source's place, without rotation or scale, so that its coordinates coincide with the source's in
     the world and keep as many digits.
     """
-    from meshcore import Mesh, StructuredGrid, quality
+    from meshcore import Mesh, MultiBlock, StructuredGrid, quality
 
     from . import convert
 
     mesh, faces = result.mesh, {}
-    if isinstance(mesh, StructuredGrid):
+    if isinstance(mesh, (StructuredGrid, MultiBlock)):
         mesh, faces = _with_named_faces(mesh)
     parent = bpy.data.objects.get(source)
     origin = np.array(parent.matrix_world.translation) if parent else np.zeros(3)
@@ -47,19 +47,18 @@ def show(context: Any, label: str, source: str, result: Any) -> tuple[Any, list[
 
 
 def _with_named_faces(grid: Any) -> tuple[Any, dict[str, list[int]]]:
-    """A structured grid as a mesh, and the vertices of its named faces: in Blender they are vertex groups."""
-    from meshcore.mesh.structured_grid import FACES
+    """A grid as a glued mesh, and the vertices of its named sides: in Blender they are vertex groups."""
+    from meshcore import with_named_sides
 
-    marks = {}
-    for face, name in grid.names.items():
-        axis, last = divmod(FACES.index(face), 2)
-        at_face = np.zeros(grid.shape, bool)
-        np.moveaxis(at_face, axis, 0)[-last] = True
-        marks[f"face {name}"] = at_face
-    mesh = grid.with_point_data(**marks).to_mesh()
-    data = {name: values for name, values in mesh.point_data.items() if name not in marks}
-    faces = {name: np.flatnonzero(mesh.point_data[f"face {name}"]).tolist() for name in grid.names.values()}
-    return dataclasses.replace(mesh, point_data=data), faces
+    sides = with_named_sides(grid)
+    kind = "line" if "line" in sides.cells else "quad"
+    start = {name: where.start for name, _, where in sides.blocks()}.get(kind, 0)
+    faces = {
+        name: np.unique(sides.cells[kind][cells - start]).tolist()
+        for name, cells in sides.sets.items()
+        if name != "boundary"
+    }
+    return grid.to_mesh(), faces
 
 
 def _home(context: Any, source: Any) -> Any:

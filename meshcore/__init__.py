@@ -6,7 +6,7 @@ from . import adapt, io, quality
 from .adapt import refined
 from .errors import Cancelled, GenerationFailed, InvalidGeometry, InvalidInput, MeshcoreError, MissingLibrary
 from .geometry.location import locate
-from .mesh import Cut, Degenerate, Mesh, MultiBlock, PolyhedralMesh, StructuredGrid, degenerate
+from .mesh import Cut, Degenerate, Mesh, MultiBlock, PolyhedralMesh, StructuredGrid, degenerate, with_named_sides
 from .operation import Length, Relative, operations
 from .progress import Progress, silent
 from .report import Report, Result
@@ -18,6 +18,7 @@ from .structured import (
     elliptic,
     elliptic_volume,
     elliptically_smoothed,
+    h_grid,
     hyperbolic,
     hyperbolic_volume,
     o_grid,
@@ -72,6 +73,7 @@ __all__ = [
     "elliptic",
     "elliptic_volume",
     "elliptically_smoothed",
+    "h_grid",
     "hyperbolic",
     "hyperbolic_volume",
     "io",
@@ -88,4 +90,5 @@ __all__ = [
     "voronoi_2d",
     "voronoi_3d",
     "with_halo",
+    "with_named_sides",
 ]

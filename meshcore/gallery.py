@@ -497,6 +497,7 @@ def arguments(identifier: str) -> tuple[tuple[Any, ...], dict[str, Any]]:
         "hyperbolic_volume": ((bumpy_ball(),), {"first_height": 0.01, "layers": 10}),
         "o_grid": ((airfoil("naca0012"),), {"radius": 4.0, "first_height": 0.01, "growth": 1.3}),
         "c_grid": ((airfoil("naca0012"),), {"radius": 4.0, "first_height": 0.005, "growth": 1.3}),
+        "h_grid": ((airfoil("naca0012"),), {"radius": 3.0, "first_height": 0.01, "growth": 1.3}),
         "elliptic_volume": ((dented_box(depth=0.6, bulge=0.1),), {"edges": "poisson", "spacing_kmin": 0.05}),
         "elliptically_smoothed": ((rough_ring(),), {}),
         "transfinite": (tuple(lines_through(side) for side in wavy_sides()), {}),

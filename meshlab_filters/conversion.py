@@ -277,6 +277,8 @@ def layers(result: Mesh | PolyhedralMesh | StructuredGrid | MultiBlock, label: s
     measure : str
         Quality measure for the face scalars; with no such measure for its cells, a layer has none.
     """
+    if isinstance(result, MultiBlock) and result.cuts:
+        result = result.to_mesh()  # blocks that are joined are one surface
     if isinstance(result, MultiBlock):
         for name, block in zip(result.names, result.blocks, strict=True):
             yield from layers(block, f"{label} {name}", measure)

@@ -12,6 +12,7 @@ from vtkmodules.vtkCommonCore import VTK_BIT, vtkDataArray, vtkPoints, vtkString
 from vtkmodules.vtkCommonDataModel import (
     vtkCellArray,
     vtkDataSetAttributes,
+    vtkMultiBlockDataSet,
     vtkPolyData,
     vtkStructuredGrid,
     vtkUnstructuredGrid,
@@ -151,14 +152,22 @@ def arrays_of(attributes):
 
 
 def fill(output, result):
-    """Put a `Mesh`, a `PolyhedralMesh` or a `StructuredGrid` into the VTK dataset that stands for it.
+    """Put a `Mesh`, a `PolyhedralMesh`, a `StructuredGrid` or a `MultiBlock` into the VTK dataset that stands for it.
 
     VTK gets copies of the arrays. On numpy's own memory it would crash: a shallow copy of such an array, as
     vtkCellArray and some filters make, does not keep that memory alive.
     """
     from meshcore import StructuredGrid
-    from meshcore.io.vtk_data import encoded
+    from meshcore.io.vtk_data import encoded, encoded_cuts
 
+    if isinstance(output, vtkMultiBlockDataSet):
+        for k, (name, block) in enumerate(zip(result.names, result.blocks, strict=True)):
+            grid = vtkStructuredGrid()
+            fill(grid, block)
+            output.SetBlock(k, grid)
+            output.GetMetaData(k).Set(output.NAME(), name)
+        add_arrays(output.GetFieldData(), encoded_cuts(result.cuts))
+        return
     if isinstance(result, StructuredGrid) and not isinstance(output, vtkStructuredGrid):
         result = result.to_mesh()  # of an operation that gives what it was given, and has one type of output here
     data = encoded(result)

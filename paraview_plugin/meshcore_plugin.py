@@ -212,14 +212,22 @@ def arrays_of(attributes):
 
 
 def fill(output, result):
-    """Put a `Mesh`, a `PolyhedralMesh` or a `StructuredGrid` into the VTK dataset that stands for it.
+    """Put a `Mesh`, a `PolyhedralMesh`, a `StructuredGrid` or a `MultiBlock` into the VTK dataset that stands for it.
 
     VTK gets copies of the arrays. On numpy's own memory it would crash: a shallow copy of such an array, as
     vtkCellArray and some filters make, does not keep that memory alive.
     """
     from meshcore import StructuredGrid
-    from meshcore.io.vtk_data import encoded
+    from meshcore.io.vtk_data import encoded, encoded_cuts
 
+    if isinstance(output, vtkMultiBlockDataSet):
+        for k, (name, block) in enumerate(zip(result.names, result.blocks, strict=True)):
+            grid = vtkStructuredGrid()
+            fill(grid, block)
+            output.SetBlock(k, grid)
+            output.GetMetaData(k).Set(output.NAME(), name)
+        add_arrays(output.GetFieldData(), encoded_cuts(result.cuts))
+        return
     if isinstance(result, StructuredGrid) and not isinstance(output, vtkStructuredGrid):
         result = result.to_mesh()  # of an operation that gives what it was given, and has one type of output here
     data = encoded(result)
@@ -776,13 +784,7 @@ class meshcoreReader(Algorithm):
 
     def run(self, inInfo, info):
         output = info.Get(vtkDataObject.DATA_OBJECT())
-        if isinstance(output, vtkMultiBlockDataSet):
-            for k, (name, block) in enumerate(zip(self.content.names, self.content.blocks, strict=True)):
-                grid = vtkStructuredGrid()
-                fill(grid, block)
-                output.SetBlock(k, grid)
-                output.GetMetaData(k).Set(output.NAME(), name)
-        elif self.content is not None:
+        if self.content is not None:
             fill(output, self.content)
 
 
@@ -1532,6 +1534,133 @@ class meshcoreEllipticSmoothing(Operation):
 
     def SetMaxCycles(self, value):
         self.set("max_cycles", value)
+
+
+
+@smproxy.filter(name="meshcoreHGrid", label="meshcore H Grid", support_reload=False)
+@smhint.xml('<ShowInMenu category="meshcore"/>')
+@smproperty.xml(
+    """
+    <Documentation short_help="H Grid">Make an H-grid of quadrilaterals round a section in a box: a block above it
+    and a block below.</Documentation>
+    <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>One closed loop in a plane, or an open line: a slit.</Documentation>
+    </InputProperty>
+    <DoubleVectorProperty name="Radius" label="Radius" command="SetRadius" number_of_elements="1" default_values="10.0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="1" max="100"/>
+      <Documentation>Distance of the far field from mid-chord, in chords.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="FirstHeight" label="First Height" command="SetFirstHeight" number_of_elements="1" default_values="-1" panel_visibility="default">
+      <BoundsDomain name="range" mode="scaled_extent" scale_factor="0.001"><RequiredProperties><Property name="Input" function="Input"/></RequiredProperties></BoundsDomain>
+      <Documentation>Height of the cells at the section; -1 takes 0.1% of the diagonal of the input's bounding
+      box.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="YPlus" label="Y Plus" command="SetYPlus" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>y+ of the first points, which then sets the first height; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="Reynolds" label="Reynolds" command="SetReynolds" number_of_elements="1" default_values="1000000.0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="1"/>
+      <Documentation>Reynolds number of the chord, for y+.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="Growth" label="Growth" command="SetGrowth" number_of_elements="1" default_values="1.15" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="1.001" max="3"/>
+      <Documentation>Growth of cell heights that sets the number of layers.</Documentation>
+    </DoubleVectorProperty>
+    <IntVectorProperty name="Layers" label="Layers" command="SetLayers" number_of_elements="1" default_values="0" panel_visibility="default">
+      <IntRangeDomain name="range" min="0" max="500"/>
+      <Documentation>Cells from the section out; by default as many as growth needs; 0 leaves it out.</Documentation>
+    </IntVectorProperty>
+    <IntVectorProperty name="Around" label="Around" command="SetAround" number_of_elements="1" default_values="0" panel_visibility="default">
+      <IntRangeDomain name="range" min="0" max="1000"/>
+      <Documentation>Cells around the section; by default its own points; 0 leaves it out.</Documentation>
+    </IntVectorProperty>
+    <DoubleVectorProperty name="LeadingSpacing" label="Leading Spacing" command="SetLeadingSpacing" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Size of the cells at the nose; by default as the section bends; 0 leaves it out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="TrailingSpacing" label="Trailing Spacing" command="SetTrailingSpacing" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Size of the cells at the trailing edge; by default as the section bends; 0 leaves it
+      out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="Wake" label="Wake" command="SetWake" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0" max="100"/>
+      <Documentation>Length of the wake, in chords; by default as far as the far field; 0 leaves it
+      out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="WakeGrowth" label="Wake Growth" command="SetWakeGrowth" number_of_elements="1" default_values="1.2" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="1.001" max="3"/>
+      <Documentation>Growth of cells along the wake that sets their number.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="Flow" label="Flow" command="SetFlow" number_of_elements="1" default_values="0.0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="-45" max="45"/>
+      <Documentation>Direction of the box from the chord, counter-clockwise, in degrees.</Documentation>
+    </DoubleVectorProperty>
+    <PropertyGroup label="Parameters">
+      <Property name="Radius"/>
+      <Property name="Layers"/>
+      <Property name="Around"/>
+      <Property name="Wake"/>
+      <Property name="Flow"/>
+    </PropertyGroup>
+    <PropertyGroup label="Spacing">
+      <Property name="FirstHeight"/>
+      <Property name="YPlus"/>
+      <Property name="Reynolds"/>
+      <Property name="Growth"/>
+      <Property name="LeadingSpacing"/>
+      <Property name="TrailingSpacing"/>
+      <Property name="WakeGrowth"/>
+    </PropertyGroup>
+    """
+)
+class meshcoreHGrid(Operation):
+    operation = "h_grid"
+    label = "meshcore H Grid"
+    ports = (("section", "curve", False),)
+    output = "vtkMultiBlockDataSet"
+
+    def SetRadius(self, value):
+        self.set("radius", value)
+
+    def SetFirstHeight(self, value):
+        self.set("first_height", value if value > 0 else BY_DEFAULT)
+
+    def SetYPlus(self, value):
+        self.set("y_plus", value or None)
+
+    def SetReynolds(self, value):
+        self.set("reynolds", value)
+
+    def SetGrowth(self, value):
+        self.set("growth", value)
+
+    def SetLayers(self, value):
+        self.set("layers", value or None)
+
+    def SetAround(self, value):
+        self.set("around", value or None)
+
+    def SetLeadingSpacing(self, value):
+        self.set("leading_spacing", value or None)
+
+    def SetTrailingSpacing(self, value):
+        self.set("trailing_spacing", value or None)
+
+    def SetWake(self, value):
+        self.set("wake", value or None)
+
+    def SetWakeGrowth(self, value):
+        self.set("wake_growth", value)
+
+    def SetFlow(self, value):
+        self.set("flow", value)
 
 
 

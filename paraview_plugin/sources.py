@@ -232,13 +232,7 @@ class meshcoreReader(Algorithm):
 
     def run(self, inInfo, info):
         output = info.Get(vtkDataObject.DATA_OBJECT())
-        if isinstance(output, vtkMultiBlockDataSet):
-            for k, (name, block) in enumerate(zip(self.content.names, self.content.blocks, strict=True)):
-                grid = vtkStructuredGrid()
-                fill(grid, block)
-                output.SetBlock(k, grid)
-                output.GetMetaData(k).Set(output.NAME(), name)
-        elif self.content is not None:
+        if self.content is not None:
             fill(output, self.content)
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InvalidInput
-from ..mesh import CELL_TYPES, Mesh, MultiBlock, PolyhedralMesh, StructuredGrid
+from ..mesh import CELL_TYPES, Mesh, MultiBlock, PolyhedralMesh, StructuredGrid, with_named_sides
 
 ALL_CELLS = tuple(CELL_TYPES)
 SURFACE_CELLS = ("vertex", "line", "triangle", "quad")
@@ -34,6 +34,8 @@ class Holds:
         Whether data are held: all, none, or the arrays of these names.
     sets : bool
         Whether named sets are held.
+    sides : bool
+        Whether named sides of structured grids become sets of boundary cells.
     planar : bool
         The format has no z.
     polygons, polyhedra : bool
@@ -46,6 +48,7 @@ class Holds:
     cell_data: bool | tuple[str, ...] = False
     field_data: bool | tuple[str, ...] = False
     sets: bool = False
+    sides: bool = False
     planar: bool = False
     polygons: bool = False
     polyhedra: bool = False
@@ -72,7 +75,11 @@ def fitted(mesh: Any, holds: Holds, name: str) -> Mesh | PolyhedralMesh | Struct
     several = isinstance(mesh, MultiBlock) and len(mesh.blocks) > 1
     if holds.blocks and not (holds.cells and (isinstance(mesh, Mesh) or (several and holds.blocks == 1))):
         return _fitted_grid(mesh, holds, name)
-    if isinstance(mesh, MultiBlock):
+    if holds.sides and isinstance(mesh, (StructuredGrid, MultiBlock)):
+        mesh = with_named_sides(mesh)
+    elif isinstance(mesh, MultiBlock) and mesh.joins:
+        mesh = mesh.to_mesh()
+    elif isinstance(mesh, MultiBlock):
         from .vtk_data import joined
 
         mesh = joined(dict(zip(mesh.names, mesh.blocks, strict=True)))
@@ -138,7 +145,7 @@ def _fitted_grid(mesh: Mesh | StructuredGrid | MultiBlock, holds: Holds, name: s
         warn_dropped(what, [key for key in held if key not in kept], reason)
     if any(any(block.periodic) for block in blocks):
         warn_dropped("the property", ["periodic"], reason)
-    if any(block.cuts for block in blocks):
+    if any(block.cuts for block in blocks) or (isinstance(mesh, MultiBlock) and mesh.cuts):
         warn_dropped("the property", ["cuts"], reason)
     if isinstance(mesh, MultiBlock):
         warn_dropped("block names", [n for k, n in enumerate(mesh.names) if n != f"block {k}"], reason)

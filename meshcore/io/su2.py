@@ -145,8 +145,8 @@ def _markers(mesh: Mesh, is_domain: np.ndarray) -> dict[str, list[int]]:
 register(
     "SU2",
     (".su2",),
-    "planar and volume meshes; sets of boundary cells are markers",
-    Holds(cells=_KINDS, sets=True),
+    "planar and volume meshes; sets of boundary cells, and named sides of structured grids, are markers",
+    Holds(cells=_KINDS, sets=True, sides=True),
     read=read_su2,
     write=write_su2,
 )

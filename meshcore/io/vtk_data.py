@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -109,8 +110,7 @@ def _encoded_grid(grid: StructuredGrid) -> DataSet:
         fields[FACE_NAMES] = np.array([grid.names.get(face, "") for face in FACES])
     if any(grid.periodic):
         fields[PERIODIC] = np.array(grid.periodic, np.uint8)
-    if grid.cuts:
-        fields[CUTS] = np.array([json.dumps(cut.as_data()) for cut in grid.cuts])
+    fields |= encoded_cuts(grid.cuts)
     return DataSet(
         GRID,
         grid.flat(grid.points),
@@ -119,6 +119,17 @@ def _encoded_grid(grid: StructuredGrid) -> DataSet:
         cell_data={name: _plain(name, grid.flat(v)) for name, v in grid.cell_data.items()},
         field_data=fields,
     )
+
+
+def encoded_cuts(cuts: Sequence[Cut]) -> dict[str, np.ndarray]:
+    """Cuts as field data: JSON, one row a cut; nothing if there are none.
+
+    Examples
+    --------
+    >>> encoded_cuts([])
+    {}
+    """
+    return {CUTS: np.array([json.dumps(cut.as_data()) for cut in cuts])} if cuts else {}
 
 
 def _plain(name: str, values: np.ndarray) -> np.ndarray:

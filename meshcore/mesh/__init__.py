@@ -5,6 +5,7 @@ from .cuts import Cut
 from .degenerate import Degenerate, degenerate
 from .mesh import Mesh
 from .multi_block import MultiBlock
+from .named_sides import with_named_sides
 from .polyhedral_mesh import PolyhedralMesh
 from .structured_grid import StructuredGrid
 from .topology import Facets
@@ -21,4 +22,5 @@ __all__ = [
     "PolyhedralMesh",
     "StructuredGrid",
     "degenerate",
+    "with_named_sides",
 ]

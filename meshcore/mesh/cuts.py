@@ -7,7 +7,7 @@ of a C-grid, at j = +1 of the partner.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -247,6 +247,33 @@ def glued(cuts: Sequence[Cut], shapes: Sequence[Sequence[int]]) -> tuple[np.ndar
     return tuple(
         number[start : start + size].reshape(shape) for start, size, shape in zip(starts, sizes, shapes, strict=False)
     )
+
+
+def free_sides(shapes: Sequence[Sequence[int]], cuts: Sequence[Cut]) -> Iterator[tuple[int, int, int, np.ndarray]]:
+    """The sides of blocks, and what of them no cut joins to anything.
+
+    Yields
+    ------
+    block, axis, last : int
+        The block, the axis across which the side lies, and 0 for its first or 1 for its last points.
+    free : (n, m) bool
+        For each cell of the side, in the order of the other two axes, one layer where there is one point.
+
+    Examples
+    --------
+    >>> [(axis, last, bool(free.any())) for _, axis, last, free in free_sides([(3, 2, 1)], [closing((3, 2, 1), 0)])]
+    [(0, 0, False), (0, 1, False), (1, 0, True), (1, 1, True)]
+    """
+    sides = [side for cut in cuts for side in (cut, cut.reversed())]
+    for block, shape in enumerate(shapes):
+        for axis in [a for a in range(3) if shape[a] > 1]:
+            for last in (0, 1):
+                free = np.ones([max(n - 1, 1) for a, n in enumerate(shape) if a != axis], bool)
+                for side in sides:
+                    if side.block == block and side.face(shape) == (axis, 2 * last - 1):
+                        low, high = np.delete(np.sort(side.points, axis=0), axis, axis=1)
+                        free[tuple(slice(a, max(b, a + 1)) for a, b in zip(low, high, strict=True))] = False
+                yield block, axis, last, free
 
 
 def _check_side(cut: Cut, blocks: Sequence[StructuredGrid]) -> None:

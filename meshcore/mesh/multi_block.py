@@ -74,6 +74,20 @@ class MultiBlock:
         own = [replace(cut, block=k, partner_block=k) for k, block in enumerate(self.blocks) for cut in block.joins]
         return self.cuts + tuple(own)
 
+    def numbers(self) -> list[np.ndarray]:
+        """For each block, (ni, nj, nk) int: numbers of the points of all blocks, i running fastest in each.
+
+        Copies of a point across cuts have the number of the first.
+        """
+        shapes = [block.shape for block in self.blocks]
+        starts = np.cumsum([0] + [block.n_points for block in self.blocks])
+        own = [
+            start + np.arange(block.n_points).reshape(block.shape[::-1]).swapaxes(0, 2)
+            for start, block in zip(starts, self.blocks, strict=False)
+        ]
+        in_order = np.concatenate([number.ravel() for number in own])  # by C-ordered numbers, as `glued` counts
+        return [in_order[glue] for glue in glued(self.joins, shapes)]
+
     def to_mesh(self) -> Mesh:
         """The cells of all blocks as one `Mesh`, points on both sides of a cut being one; each block becomes a set.
 
@@ -84,13 +98,8 @@ class MultiBlock:
         if len(kinds) != 1:
             raise InvalidInput("has surfaces and volumes; give the ones or the others", parameter="blocks")
         kind = next(iter(kinds))
-        shared = [glue.swapaxes(0, 2).ravel() for glue in glued(self.joins, [b.shape for b in self.blocks])]
-        order = [np.arange(b.n_points).reshape(b.shape).swapaxes(0, 2).ravel() for b in self.blocks]
+        first = np.concatenate([number.swapaxes(0, 2).ravel() for number in self.numbers()])
         starts = np.cumsum([0] + [b.n_points for b in self.blocks])
-        place = np.empty(starts[-1], np.int64)  # of a C-ordered number, among the points as meshes have them
-        for start, order_of_block in zip(starts, order, strict=False):
-            place[start + order_of_block] = start + np.arange(len(order_of_block))
-        first = place[np.concatenate(shared)]
         cells = np.concatenate([mesh.cells[kind] + s for mesh, s in zip(meshes, starts, strict=False)])
         ends = np.cumsum([0] + [mesh.n_cells for mesh in meshes])
         return Mesh(

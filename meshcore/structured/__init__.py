@@ -7,6 +7,7 @@ from .elliptic import elliptic
 from .elliptic_smoothing import elliptically_smoothed
 from .elliptic_volume import elliptic_volume
 from .finite_volumes import FiniteVolumes
+from .h_grid import h_grid
 from .halo import Halo, with_halo
 from .hyperbolic import hyperbolic
 from .hyperbolic_volume import hyperbolic_volume
@@ -28,6 +29,7 @@ __all__ = [
     "elliptic",
     "elliptic_volume",
     "elliptically_smoothed",
+    "h_grid",
     "hyperbolic",
     "hyperbolic_volume",
     "o_grid",

@@ -158,7 +158,7 @@ def c_grid(
     grid = StructuredGrid(given.to_space(points), names=_NAMES, cuts=(cut,))
     counts = {"around": n - 2 * front.wake, "wake": front.wake, "layers": grid.cell_shape[1]}
     figures = {"first height": height, "largest growth": ratio}
-    shift = np.abs(front.opened.shift)
+    shift = np.abs(front.opened.shift[0])
     kept = np.clip(4 * shift / max(float(shift.max()), 1e-300), 0, 1)
     return finished(grid, method, kept, _CURE, counts, figures, warnings, part_of(progress, 0.6, 1.0))
 
@@ -220,7 +220,7 @@ def _best(
             best, chosen = score, (stop, bend)
     stop, bend = chosen
     # Beside a blunt base lines that are moved downstream take the levels of lines that are not.
-    unmoved = replace(front.opened, shift=np.zeros(len(heights)))
+    unmoved = replace(front.opened, shift=np.zeros((2, len(heights))))
     t, ratio = geometric_lines(lambda t: front.opened.wrap(paths(unmoved, stop, bend, t)), heights, layers, growth)
     points = front.opened.wrap(paths(front.opened, stop, bend, t))
     points[:, 0] = front.points

@@ -15,6 +15,7 @@ import numpy as np
 import scipy.sparse
 
 from ..mesh import Cut
+from ..mesh.cuts import free_sides
 from .halo import traced
 from .stencils import Stencil, extrapolation
 
@@ -138,18 +139,10 @@ class JoinedLines:
 def on_boundary(shapes: Sequence[Sequence[int]], cuts: Sequence[Cut]) -> list[np.ndarray]:
     """For each block, (ni, nj, nk) bool: which points belong to a part of a side that no cut joins to anything."""
     marks = [np.zeros(shape, bool) for shape in shapes]
-    sides = [side for cut in cuts for side in (cut, cut.reversed())]
-    for block, mark in enumerate(marks):
-        for axis in [a for a in range(3) if mark.shape[a] > 1]:
-            for end, last in ((-1, 0), (1, mark.shape[axis] - 1)):
-                joined = np.zeros([max(n - 1, 1) for a, n in enumerate(mark.shape) if a != axis], bool)
-                for side in sides:
-                    if side.block == block and side.face(mark.shape) == (axis, end):
-                        low, high = np.delete(np.sort(side.points, axis=0), axis, axis=1)
-                        joined[tuple(slice(a, max(b, a + 1)) for a, b in zip(low, high, strict=True))] = True
-                face = np.moveaxis(mark, axis, 0)[last]
-                for a, b in np.ndindex(2, 2):
-                    at = tuple(slice(s, s + n) for s, n in zip((a, b), joined.shape, strict=True))
-                    part = face[at]  # the other corner of a cell along a direction of one layer is the same point
-                    part |= ~joined[: part.shape[0], : part.shape[1]]
+    for block, axis, last, free in free_sides(shapes, cuts):
+        face = np.moveaxis(marks[block], axis, 0)[-last]
+        for a, b in np.ndindex(2, 2):
+            part = face[tuple(slice(s, s + n) for s, n in zip((a, b), free.shape, strict=True))]
+            # Along a direction of one layer the other corner of a cell would be beyond it, and the part is empty.
+            part |= free[: part.shape[0], : part.shape[1]]
     return marks

@@ -15,6 +15,7 @@ Method = Literal["transfinite", "elliptic", "hyperbolic", "parabolic"]
 OpenFarField = Literal["C", "box"]
 
 SectionPort = Annotated[Curve, Port("One closed loop in a plane, such as an airfoil", cells=("line",))]
+SectionOrSlitPort = Annotated[Curve, Port("One closed loop in a plane, or an open line: a slit", cells=("line",))]
 RadiusParam = Annotated[float, Param("Distance of the far field from mid-chord, in chords", min=1, soft_max=100)]
 MethodParam = Annotated[Method, Param("How the grid between section and far field is made")]
 FirstHeightParam = Annotated[Length, Param("Height of the cells at the section", group="Spacing")]
@@ -43,6 +44,9 @@ WakeCellsParam = Annotated[
 ]
 WakeGrowthParam = Annotated[
     float, Param("Growth of cells along the wake that sets their number", min=1.001, max=3, group="Spacing")
+]
+FlowParam = Annotated[
+    float, Param("Direction of the box from the chord, counter-clockwise", min=-45, max=45, unit="degree")
 ]
 
 

@@ -39,8 +39,8 @@ class Unwrapped:
         Unit normals, upwards.
     reach : (n,) float
         Distance to the nearest corner of the wall, at least the nearest edge.
-    shift : (n,) float
-        How far lines are moved downstream beside a blunt base.
+    shift : (2, n) float
+        How far lines are moved downstream beside a blunt base, and how late, as `shifts_beyond` says.
     nose : int
         Number of the point nearest to the imaginary axis.
     """
@@ -89,40 +89,54 @@ def unwrapped(front: np.ndarray, wake: int, focus: np.ndarray, downstream: np.nd
     w = found.unwrap(front, -1.0 + 0j)
     n = len(w)
     places = np.column_stack([w.real, w.imag])
-    edge = np.diff(w)
-    heading = np.unwrap(np.angle(edge))
-    heading -= 2 * np.pi * np.round(heading[len(heading) // 2] / (2 * np.pi))
-    normal = np.exp(1j * (0.5 * (np.append(heading[0], heading) + np.append(heading, heading[-1])) + np.pi / 2))
+    normal = normals(places)
     straight = wake + base + 1 if base else wake  # shifts turn the lines of a base
     normal[:straight] = normal[n - straight :] = 1j
-    length = arc_length(places)
-    corners = np.array([wake, wake + base, n - 1 - wake - base, n - 1 - wake])
-    reach = np.min(np.abs(length[:, None] - length[corners]), axis=1)
-    steps = np.diff(length)
-    reach = np.maximum(reach, np.minimum(np.append(steps, steps[-1]), np.append(steps[0], steps)))
-    shift = _shifts(w, wake, base) if base else np.zeros(n)
+    reach = free_reach(places, np.array([wake, wake + base, n - 1 - wake - base, n - 1 - wake]))
+    shift = _shifts(w, wake, base) if base else np.zeros((2, n))
     nose = wake + base + int(np.argmin(np.abs(w.real[wake + base : n - wake - base])))
     return Unwrapped(found.focus, scale, turn, w, normal, reach, shift, nose)
 
 
 def _shifts(w: np.ndarray, wake: int, base: int) -> np.ndarray:
-    """(n,) float: shifts of the lines, positive to the right, of both halves."""
+    """(2, n) float: shifts of the lines, positive to the right, of both halves, and how late they come."""
     n = len(w)
-    shift = np.zeros(n)
-    for order, side in ((np.arange(n), 1.0), (np.arange(n)[::-1], -1.0)):
-        tail, corner = order[n - 1 - wake], order[n - 1 - wake - base]
-        most = _SHIFT * abs(w[corner] - w[tail])
-        least = _AT_CORNER * most
-        x = side * w.real[order]
-        before = np.arange(n) < n - 1 - wake - base
-        after = np.arange(n) > n - 1 - wake
-        share = np.clip((np.arange(n) - (n - 1 - wake - base)) / base, 0, 1)
-        own = least + (most - least) * share
-        own[before] = least * np.exp(-np.abs(x[before] - x[n - 1 - wake - base]) / (_FADE * least))
-        own[after] = most * np.exp(-(x[after] - x[n - 1 - wake]) / (_FADE * most))
-        half = np.arange(n) >= n // 2
-        shift[order[half]] = side * own[half]
+    places = np.column_stack([w.real, w.imag])
+    shift = shifts_beyond(places, n - 1 - wake - base, n - 1 - wake)
+    other = shifts_beyond(places[::-1] * [-1, 1], n - 1 - wake - base, n - 1 - wake)[:, ::-1]
+    shift[:, : n // 2] = other[:, : n // 2] * [[-1], [1]]
     return shift
+
+
+def shifts_beyond(front: np.ndarray, corner: int, tail: int) -> np.ndarray:
+    """How far lines of a front that steps down at its rear are moved along x, so that they fan out.
+
+    Parameters
+    ----------
+    front : (n, 2) float
+        A wall up to its corner, the step down to the tail, and a wake, all with growing x.
+    corner, tail : int
+        Numbers of the points where the step begins and ends.
+
+    Returns
+    -------
+    (2, n) float
+        The shifts, growing over the step, and fading to both sides slower than x grows; and how late in their rise
+        they come, from 0 on the step to 1 away from it, where lines shall leave without leaning.
+    """
+    x, number = front[:, 0], np.arange(len(front))
+    room = x[-1] - x[tail]
+    most = min(_SHIFT * float(np.linalg.norm(front[corner] - front[tail])), 0.5 * room)
+    least = _AT_CORNER * most
+    length = arc_length(front[corner : tail + 1])
+    shift = least * np.exp(-np.abs(x - x[corner]) / (_FADE * least))
+    shift[corner : tail + 1] = least + (most - least) * length / length[-1]
+    after = number > tail
+    gone = x[after] - x[tail]
+    shift[after] = most * np.exp(-gone / (_FADE * most)) * (1 - gone / room)
+    late = np.clip(2 - 2 * shift / np.where(after, most, least), 0, 1)
+    late[corner : tail + 1] = 0.0
+    return np.array([shift, late])
 
 
 def paths(of: Unwrapped, outer: np.ndarray, bend: float, t: np.ndarray) -> np.ndarray:
@@ -147,9 +161,43 @@ def paths(of: Unwrapped, outer: np.ndarray, bend: float, t: np.ndarray) -> np.nd
     share = (1 - downstream) * t**2 + downstream * rise
     xi = np.sign(stop.real) * np.sqrt(np.maximum(start.real**2 * (1 - share) + stop.real**2 * share, 0))
     xi = np.where(stop.real * start.real < 0, start.real + (stop.real - start.real) * t**2, xi)
-    fading = (1 - t) ** 2
-    w = xi + 1j * (start.imag + d)
-    b = np.minimum(of.reach, bend)[:, None]
-    w = w + fading * (d * b / (d + b)) * (of.normal[:, None] - 1j)
-    most = np.abs(of.shift).max(initial=0.0)
-    return w + (fading * of.shift[:, None] * d / (d + 0.5 * most) if most else 0.0)
+    return xi + 1j * (start.imag + d) + leaving(of.normal, of.reach, of.shift, bend, d) * (1 - t) ** 2
+
+
+def leaving(normal: np.ndarray, reach: np.ndarray, shift: np.ndarray, bend: float, d: np.ndarray) -> np.ndarray:
+    """(n, m) complex: what lines are moved by so that they leave along their normals, instead of upwards.
+
+    Parameters
+    ----------
+    normal : (n,) complex
+        Unit normals of the front.
+    reach : (n,) float
+        Distance to the nearest corner.
+    shift : (2, n) float
+        How far lines are moved sideways in the end, and how late.
+    bend : float
+        Largest distance over which a line turns away from its normal.
+    d : (n, m) float
+        Heights over the front.
+    """
+    b = np.minimum(reach, bend)[:, None]
+    amount, late = shift[0][:, None], shift[1][:, None]
+    most = np.abs(amount).max(initial=0.0)
+    rise = d / (d + 0.5 * most) if most else 0.0
+    moved = amount * rise * (1 - late + late * rise)
+    return d * b / (d + b) * (normal[:, None] - 1j) + moved
+
+
+def normals(places: np.ndarray) -> np.ndarray:
+    """(n,) complex: unit normals to the left of a curve, between those of the edges at each point."""
+    heading = np.unwrap(np.angle(np.diff(places[:, 0] + 1j * places[:, 1])))
+    mean = 0.5 * (np.append(heading[0], heading) + np.append(heading, heading[-1]))
+    return 1j * np.exp(1j * mean)
+
+
+def free_reach(places: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """(n,) float: distance along a curve to the nearest of some points, at least the nearest edge."""
+    length = arc_length(places)
+    steps = np.diff(length)
+    nearest = np.minimum(np.append(steps, steps[-1]), np.append(steps[0], steps))
+    return np.maximum(np.min(np.abs(length[:, None] - length[corners]), axis=1), nearest)

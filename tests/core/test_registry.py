@@ -30,8 +30,8 @@ def test_every_operation_is_public_and_has_a_model_call(name):
     inputs, keywords = gallery.arguments(name)
     mesh, report = op.function(*inputs, **keywords)
     assert mesh.n_cells > 0 and report.converged
-    kinds = {"mesh": "Mesh", "grid": "StructuredGrid", "polyhedra": "PolyhedralMesh"}
-    assert type(mesh).__name__ == kinds.get(op.output, type(next(iter(inputs), None)).__name__)
+    made = {"mesh": "Mesh", "grid": "StructuredGrid", "blocks": "MultiBlock", "polyhedra": "PolyhedralMesh"}
+    assert type(mesh).__name__ == made.get(op.output, type(next(iter(inputs), None)).__name__)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,67 @@
+"""Structured grids as meshes whose sides are cells too: what flow solvers call markers, or boundary patches."""
+
+from __future__ import annotations
+
+from typing import Union
+
+import numpy as np
+
+from .cuts import free_sides
+from .mesh import Mesh
+from .multi_block import MultiBlock
+from .structured_grid import FACES, StructuredGrid
+
+
+def with_named_sides(grid: Union[StructuredGrid, MultiBlock]) -> Mesh:
+    """The glued mesh of a grid, with the cells of its sides, in one set for each name.
+
+    Parameters
+    ----------
+    grid : StructuredGrid or MultiBlock
+        Parts of sides that cuts join to others are no sides. Sides without names are in the set "boundary".
+
+    Returns
+    -------
+    Mesh
+        "quad" cells with "line" cells as sides, or "hexahedron" cells with "quad" cells.
+
+    Examples
+    --------
+    >>> x, y = np.meshgrid([0, 1, 3], [0, 1], indexing="ij")
+    >>> grid = StructuredGrid(np.stack([x, y], axis=-1), names={"jmin": "wall"})
+    >>> mesh = with_named_sides(grid)
+    >>> mesh, {name: len(cells) for name, cells in mesh.sets.items()}
+    (Mesh(6 points, 2 quad, 6 line), {'boundary': 4, 'wall': 2})
+    """
+    blocks = grid if isinstance(grid, MultiBlock) else MultiBlock((grid,))
+    whole = blocks.to_mesh()
+    numbers = blocks.numbers()
+    used = np.unique(np.concatenate([number.ravel() for number in numbers]))
+    sides: dict[str, list[np.ndarray]] = {}
+    for block, axis, last, free in free_sides([b.shape for b in blocks.blocks], blocks.joins):
+        name = blocks.blocks[block].names.get(FACES[2 * axis + last], "boundary")
+        nodes = np.moveaxis(numbers[block], axis, 0)[-last]
+        sides.setdefault(name, []).append(np.searchsorted(used, _cells(nodes, free)))
+    cells = {name: np.concatenate(parts) for name, parts in sides.items()}
+    cells = {name: rows for name, rows in cells.items() if len(rows)}
+    if not cells:
+        return whole
+    kind = "line" if next(iter(cells.values())).shape[1] == 2 else "quad"
+    count, sets = whole.n_cells, {}
+    for name, rows in cells.items():
+        sets[name] = np.arange(count, count + len(rows))
+        count += len(rows)
+    return Mesh(
+        whole.points,
+        {**whole.cells, kind: np.concatenate(list(cells.values()))},
+        point_data=whole.point_data,
+        sets=sets,
+    )
+
+
+def _cells(nodes: np.ndarray, free: np.ndarray) -> np.ndarray:
+    """(k, 2) or (k, 4) int: lines or quads of a side's points (n, m), where it is free."""
+    if nodes.shape[1] == 1 and free.shape[1] == 1:
+        return np.column_stack([nodes[:-1, 0], nodes[1:, 0]])[free[:, 0]]
+    quads = np.stack([nodes[:-1, :-1], nodes[1:, :-1], nodes[1:, 1:], nodes[:-1, 1:]], axis=-1)
+    return quads[free]
