@@ -49,16 +49,19 @@ def kind_of(mesh: Any) -> str:
 
 
 def check_mesh_file(path: Path, kind: str) -> None:
-    """Refuse, before the work, a file that cannot take a result of this kind ("mesh", "grid" or "polyhedra").
+    """Refuse, before the work, a file that cannot take a result of this kind ("mesh", "grid", "blocks" or "polyhedra").
 
     Its format is tried on the smallest mesh, in the folder where the result will stand.
     """
     from .. import io
 
     corners = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
-    smallest: Mesh | PolyhedralMesh | StructuredGrid = Mesh(corners[:3], {"triangle": [[0, 1, 2]]})
-    if kind == "grid":
+    smallest: Mesh | PolyhedralMesh | StructuredGrid | MultiBlock = Mesh(corners[:3], {"triangle": [[0, 1, 2]]})
+    if kind in ("grid", "blocks"):
         smallest = StructuredGrid([[corners[0], corners[3]], [corners[1], corners[2]]])
+        smallest = (
+            smallest if kind == "grid" else MultiBlock((smallest, smallest.with_points(smallest.points + [2, 0, 0])))
+        )
     elif kind == "polyhedra":
         smallest = PolyhedralMesh.from_polygons(corners, [[0, 1, 2, 3]])
     with _folder_beside(path) as folder:
