@@ -23,7 +23,7 @@ def as_mesh(result):
         cell = surface.cell_data["cell"][triangles.cell_data["cell"]]
         data = {name: values[cell] for name, values in result.cell_data.items()}
         return Mesh(triangles.points, triangles.cells, cell_data={**data, "cell": cell})
-    return result.to_mesh() if isinstance(result, StructuredGrid) else result
+    return result.to_mesh() if isinstance(result, (StructuredGrid, MultiBlock)) else result
 
 
 def same_cells(found, expected):

@@ -77,6 +77,11 @@ def assert_same_mesh(dataset, mesh):
         ]
         np.testing.assert_array_equal(content(dataset)[0], points)
         assert dataset.GetNumberOfCells() == mesh.n_cells
+    elif isinstance(mesh, meshcore.MultiBlock):
+        assert dataset.GetClassName() == "vtkMultiBlockDataSet" and dataset.GetNumberOfBlocks() == len(mesh.blocks)
+        for number, (name, block) in enumerate(zip(mesh.names, mesh.blocks, strict=True)):
+            assert dataset.GetMetaData(number).Get(dataset.NAME()) == name
+            assert_same_mesh(dataset.GetBlock(number), block)
     elif isinstance(mesh, meshcore.PolyhedralMesh):
         assert_same_polyhedra(dataset, mesh)
     else:
@@ -97,10 +102,12 @@ def check_round_trip(operation):
 
 def check_saved_and_read_again(operation):
     proxy, mesh = filter_and_call(operation)
-    grid = isinstance(mesh, meshcore.StructuredGrid)
-    path = str(OUT / f"{operation}.{'vts' if grid else 'vtu'}")
+    suffix, reader = {
+        meshcore.StructuredGrid: ("vts", pv.XMLStructuredGridReader),
+        meshcore.MultiBlock: ("vtm", pv.XMLMultiBlockDataReader),
+    }.get(type(mesh), ("vtu", pv.XMLUnstructuredGridReader))
+    path = str(OUT / f"{operation}.{suffix}")
     save(path, proxy)
-    reader = pv.XMLStructuredGridReader if grid else pv.XMLUnstructuredGridReader
     assert_same_mesh(fetched(reader(FileName=[path])), mesh)
 
 
