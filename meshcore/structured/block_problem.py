@@ -16,6 +16,7 @@ from .block_faces import across
 from .elliptic_problem import Found
 from .face_measures import axis_of
 from .periodic_faces import Pair, averaged_at_cuts
+from .wall_checks import NO_INSIDE, refuse_heights
 from .wall_control import Wall
 from .wall_control_3d import LEAST_CELLS, controlled
 
@@ -78,15 +79,7 @@ def _check_wall(points: np.ndarray, wall: Wall) -> None:
         )
     if angle.shape not in ((), (2,), (2, *shape)):
         raise InvalidInput(f"angles of {wall.side} need shape {(2, *shape)}, got {angle.shape}", parameter="walls")
-    lines = np.moveaxis(points, axis_of(wall.side), 0)
-    length = np.linalg.norm(np.diff(lines, axis=0), axis=-1).sum(axis=0)
-    if wall.first_height is not None and ((height >= length) & (length > 0)).any():
-        at = np.argmin(np.where(length > 0, length - height, np.inf))
-        raise InvalidInput(
-            f"is {np.broadcast_to(height, shape).flat[at]:.4g} at {wall.side}, where a whole line is "
-            f"{length.flat[at]:.4g} long; ask for less",
-            parameter="first_height",
-        )
+    refuse_heights(np.moveaxis(points, axis_of(wall.side), 0), wall)
 
 
 def solved(points: np.ndarray, growth: np.ndarray | None, asked: AskedOfBlock, progress: Progress = silent) -> Found:
@@ -116,14 +109,14 @@ def solved(points: np.ndarray, growth: np.ndarray | None, asked: AskedOfBlock, p
         threads=asked.threads,
         progress=progress,
     )
-    warnings = []
+    warnings = [NO_INSIDE] if asked.walls else []
     if not outcome.converged:
         warnings.append(
             f"stopped after {outcome.cycles} cycles, an estimated {outcome.error:.2g} spacings from the converged "
             "grid; allow more cycles or a larger residual"
         )
     history = np.array(outcome.residuals) / (outcome.residuals[0] or 1.0)
-    return Found(smooth, history.tolist(), outcome.converged, warnings)
+    return Found(smooth, history.tolist(), outcome.converged and not asked.walls, warnings)
 
 
 def _with_walls(points: np.ndarray, growth: np.ndarray | None, asked: AskedOfBlock, progress: Progress) -> Found:

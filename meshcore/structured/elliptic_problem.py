@@ -21,7 +21,8 @@ from .control_functions import Attractor, ControlFunction, from_attractors, from
 from .crossed_sides import refuse_crossed_sides
 from .folds import folded_cells, refuse_folds
 from .limits import check_extent
-from .wall_control import FEWEST_CELLS, Wall, controlled
+from .wall_checks import NO_INSIDE, refuse_wall
+from .wall_control import FEWEST_CELLS, Wall, controlled, judged, measured
 from .winslow import CUT, MOST_CYCLES, SIDES, Frame, levels_of, orientation, winslow
 
 _CURE = (
@@ -147,7 +148,7 @@ def solved(start: StructuredGrid, asked: Asked, progress: Progress = silent) -> 
         raise InvalidInput(f"{absent[0]} is where the periodic grid is cut, not a wall", parameter="walls")
     sliding = [wall.side for wall in asked.walls if wall.slides]
     for wall in asked.walls:
-        _check_wall(wall, spatial[SIDES[wall.side]])
+        refuse_wall(spatial, wall)
     if transposed:
         flat, asked = np.ascontiguousarray(flat.swapaxes(0, 1)), asked.transposed()
     if asked.periodic:
@@ -211,23 +212,6 @@ def cuts_of(grid: StructuredGrid, repeats: bool = False) -> tuple[str, ...]:
     return CUT if grid.periodic[0] or repeats else ("south", "north") if grid.periodic[1] else ()
 
 
-def _check_wall(wall: Wall, side: np.ndarray) -> None:
-    """Refuse walls that have no direction somewhere, and numbers for other points than a side has."""
-    same = np.flatnonzero((side[1:] == side[:-1]).all(axis=1))
-    if len(same):
-        x, y, z = side[same[0]]
-        raise InvalidGeometry(
-            f"{wall.side} has two points at ({x:.6g}, {y:.6g}, {z:.6g}), where nothing can leave at an angle; take it "
-            "out of the walls, or move its points apart",
-            parameter="walls",
-        )
-    for what, values in (("first height", wall.first_height), ("angle", wall.angle)):
-        if np.ndim(values) and np.shape(values) != (len(side),):
-            raise InvalidInput(
-                f"{wall.side} has {len(side)} points, but its {what} has shape {np.shape(values)}", parameter="walls"
-            )
-
-
 def _check_periodic(points: np.ndarray) -> None:
     """Refuse sides along j of which one is not the other, moved along."""
     way = points[-1] - points[0]
@@ -244,7 +228,7 @@ def _planar(points: np.ndarray, cyclic: bool, asked: Asked, progress: Progress) 
     growth = asked.growth(points, cyclic)
     sign = orientation(points)
     if min(points.shape[:2]) < 3:
-        return Found(points, [0.0], True)
+        return without_inside(points, asked)
     for share in SHARES if growth is not None else (1.0,):
         found = _once(points, None if growth is None else share * growth, cyclic, asked, progress)
         if curable_cells(found.points, sign, cyclic=cyclic).any():
@@ -258,7 +242,12 @@ def _planar(points: np.ndarray, cyclic: bool, asked: Asked, progress: Progress) 
 
 def _once(points: np.ndarray, growth: np.ndarray | None, cyclic: bool, asked: Asked, progress: Progress) -> Found:
     if asked.equation == "biharmonic":
-        return Found(biharmonic(points, asked.walls, cyclic=cyclic), (0.0,), True)
+        grid = biharmonic(points, asked.walls, cyclic=cyclic)
+        if not asked.walls:
+            return Found(grid, (0.0,), True)
+        r, sign = np.moveaxis(grid, -1, 0), orientation(grid)
+        went = judged(asked.walls, [measured(r, wall.side, sign, cyclic) for wall in asked.walls])
+        return Found(grid, (0.0,), went.converged, went.warnings, went.quality)
     if asked.walls:
         return _with_walls(points, growth, cyclic, asked, progress)
     solution = winslow(
@@ -271,6 +260,11 @@ def _once(points: np.ndarray, growth: np.ndarray | None, cyclic: bool, asked: As
         progress=progress,
     )
     return as_found(solution.points, solution.history, solution.converged, solution.error, asked)
+
+
+def without_inside(points: np.ndarray, asked: Asked) -> Found:
+    """A grid whose points are all on its boundary."""
+    return Found(points, [0.0], not asked.walls, [NO_INSIDE] if asked.walls else [])
 
 
 def as_found(

@@ -13,9 +13,10 @@ from ..progress import Progress, silent
 from ..report import Result
 from . import elliptic_problem
 from .control_functions import from_poles, poles
-from .elliptic_problem import SHARES, Asked, Found, as_found, reported
+from .elliptic_problem import SHARES, Asked, Found, as_found, reported, without_inside
 from .folds import folded_cells, refuse_folds
 from .on_facets import CURE, checked_on, folded_on
+from .wall_checks import refuse_wall
 from .wall_control import ANGLE_WITHIN, HEIGHT_WITHIN
 from .winslow import CUT
 from .winslow_surface import draped, on_own_surface, smoothed, walled
@@ -92,7 +93,7 @@ def _curved(
 ) -> Found:
     """Solve; with less control as long as that leaves no sound grid."""
     if min(points.shape[:2]) < 3:
-        return Found(points, [0.0], True)
+        return without_inside(points, asked)
     _refuse_walls(points, cyclic, asked)
     controls = asked.growth(points, cyclic)
     # Control from the boundary's spacing knows of poles by itself.
@@ -133,6 +134,7 @@ def _refuse_walls(points: np.ndarray, cyclic: bool, asked: Asked) -> None:
             raise InvalidInput(f"{wall.side} is where the closed grid is cut, not a wall", parameter="walls")
         if ends[wall.side] in poles(points):
             raise InvalidInput(f"{wall.side} is one point, at which lines make no angle", parameter="walls")
+        refuse_wall(points, wall)
 
 
 def _with_walls(points, growth, cyclic: bool, asked: Asked, surface: FacetedSurface | None, progress) -> Found:

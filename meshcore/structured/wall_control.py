@@ -12,6 +12,7 @@ lean back within about a cell's width. After each cycle t and u move by a share 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -113,7 +114,7 @@ class Measured:
     spacing : (n,) float
         Mean length of the two edges of the wall at the node.
     counts : (n,) bool
-        Whether the node is not close to an end of the side, or to a sharp corner.
+        Whether the node is not close to an end of the side, or to a sharp corner; if all are, that are not on an end.
     """
 
     angle: np.ndarray
@@ -170,6 +171,8 @@ def measured(r: np.ndarray, side: str, sign: float, cyclic: bool) -> Measured:
     spacing = 0.5 * (np.concatenate([length, last]) + np.concatenate([first, length]))
     sharp = _neighbouring_edges(wall, closed)[3] > SHARP
     counts = _away_from(sharp, np.concatenate([[0.0], np.cumsum(length)]), height, closed)
+    if not counts.any():  # better judged too strictly than not at all
+        counts[slice(None) if closed else slice(1, -1)] = True
     return Measured(np.degrees(np.arctan2(out, along)), height, spacing, counts)
 
 
@@ -219,15 +222,18 @@ class _Control:
         view[normal] += outwards * self.growth[:, None] * np.exp(-self.fall * np.arange(lines.shape[2]))
         view[along] += self.lean[:, None] * np.exp(-LEAN_REACH * distance / unit[:, None])
 
-    def excess(self, found: Measured) -> tuple[float, float]:
-        """Largest error of angle (degrees) and of height (relative) where they count."""
-        angle = height = 0.0
-        if found.counts.any():
-            if self.wall.angle is not None:
-                angle = float(np.abs(found.angle - self.wall.angle)[found.counts].max())
-            if self.wall.first_height is not None:
-                height = float(np.abs(found.height / self.wall.first_height - 1)[found.counts].max())
-        return angle, height
+
+def judged(walls: Sequence[Wall], found: Sequence[Measured]) -> Controlled:
+    """How far walls are from what was asked, where they count."""
+    angles, heights = [0.0], [0.0]
+    for wall, have in zip(walls, found, strict=True):
+        if wall.angle is not None:
+            angles.append(float(np.abs(have.angle - wall.angle)[have.counts].max()))
+        if wall.first_height is not None:
+            heights.append(float(np.abs(have.height / wall.first_height - 1)[have.counts].max()))
+    angle, height = max(angles), max(heights)
+    share = float(np.concatenate([have.counts for have in found]).mean())
+    return Controlled((), angle, height, angle < ANGLE_WITHIN and height < HEIGHT_WITHIN, judged=share)
 
 
 def height_step(height: np.ndarray, wanted: float | np.ndarray, first: bool) -> np.ndarray:
@@ -261,6 +267,8 @@ class Controlled:
         Whether all of these are small enough.
     good : float, optional
         Share of the points that count where both errors are.
+    judged : float
+        Share of the points that count.
     """
 
     history: tuple[float, ...]
@@ -268,6 +276,7 @@ class Controlled:
     height: float
     converged: bool
     good: float | None = None
+    judged: float = 1.0
 
     @property
     def quality(self) -> dict[str, float]:
@@ -275,6 +284,7 @@ class Controlled:
         quality = {
             "error of wall angles (degree)": float(self.angle),
             "error of first heights (%)": 100 * float(self.height),
+            "points at walls that are judged (%)": 100 * self.judged,
         }
         return quality if self.good is None else {**quality, "points at walls as asked (%)": 100 * self.good}
 
@@ -283,8 +293,9 @@ class Controlled:
         """What users are told."""
         if self.converged:
             return []
+        after = f" after {len(self.history) - 2} steps" if len(self.history) > 2 else ""
         return [
-            f"walls not controlled after {len(self.history) - 2} steps: angles are off by up to {self.angle:.3g} "
+            f"walls not controlled{after}: angles are off by up to {self.angle:.3g} "
             f"degrees, heights by up to {self.height:.1%}"
             + ("" if self.good is None else f", {self.good:.2%} of the points that are judged are as asked")
             + "; space the sides that end at walls by the first height, take more cells, or ask for less"
@@ -310,11 +321,12 @@ def controlled(
     for step in range(most_steps + 1):
         r = finest.points_without_ghosts
         found = [measured(r, control.wall.side, levels.sign, finest.cyclic) for control in controls]
-        angle, height = np.max([c.excess(f) for c, f in zip(controls, found, strict=True)], axis=0)
+        went = judged(walls, found)
+        angle, height = went.angle, went.height
         settled = angle < ANGLE_WITHIN and residuals[-1] < RESIDUAL_WITHIN * unit
         worst.append(angle / ANGLE_WITHIN + height / HEIGHT_AIM)
         if settled and height < HEIGHT_WITHIN and worst[-1] < best[0]:
-            best = worst[-1], (angle, height), r.copy()
+            best = worst[-1], went, r.copy()
         if damping == 1 and _stalled(worst, SHORT_PATIENCE):
             damping, worst = DAMPED, worst[-1:]
         if (settled and height < HEIGHT_AIM) or _stalled(worst, PATIENCE) or step == most_steps:
@@ -334,9 +346,9 @@ def controlled(
         advance(progress, step / most_steps, f"angle within {angle:.2g} degrees, height within {height:.1%}")
     history = tuple(residual / unit for residual in residuals)
     if best[1] is None:
-        return Controlled(history, angle, height, False)
+        return replace(went, history=history, converged=False)
     finest.put(best[2])
-    return Controlled(history, *best[1], True)
+    return replace(best[1], history=history, converged=True)
 
 
 def _stalled(worst: list[float], patience: int) -> bool:

@@ -29,12 +29,13 @@ from .wall_control import (
     Wall,
     height_step,
     lean_step,
+    limited,
 )
 from .winslow_3d import FIRST_CELLS, set_growth
 
 LEAST_CELLS = 16
 """Cells that a direction keeps on all levels: coarser ones cannot hold a control function that falls off in a few."""
-_LARGEST_CONTROL = 2.5
+LARGEST_IN_SPACE = 2.5
 """Where faces meet at acute angles, as in twisted blocks, lines turn too far for Sorenson's limit of 1.5."""
 _NEGLIGIBLE = 40.0  # of exp(-x)
 
@@ -60,15 +61,14 @@ class _Control:
     def step(self, x: np.ndarray, found: FaceMeasures, *, first: bool) -> None:
         """Move the amplitudes, or the points of the face of the block x, against what is wrong."""
         if self.wall.first_height is not None:
-            self._growth = _limited(
-                self._growth + self._fall * height_step(found.height, self.wall.first_height, first)
-            )
+            step = height_step(found.height, self.wall.first_height, first)
+            self._growth = limited(self._growth + self._fall * step, LARGEST_IN_SPACE)
         if self._angle is not None and self.wall.slides:
             lines = from_face(x, self.wall.side)
             self._slide = self._slide or FaceSlide(lines[..., 0])
             self._slide.step(lines, found, self._angle)
         elif self._angle is not None:
-            self._lean = _limited(self._lean + lean_step(found.angle, self._angle))
+            self._lean = limited(self._lean + lean_step(found.angle, self._angle), LARGEST_IN_SPACE)
         if self._is_wall is not None:
             self._growth, self._lean = self._growth * self._is_wall, self._lean * self._is_wall
 
@@ -93,10 +93,6 @@ class _Control:
         if self.wall.first_height is not None:
             wrong[1] = np.abs(found.height / self.wall.first_height - 1)
         return wrong[:, found.counts]
-
-
-def _limited(amplitude: np.ndarray) -> np.ndarray:
-    return np.clip(amplitude, -_LARGEST_CONTROL, _LARGEST_CONTROL)
 
 
 def _both(angle: float | np.ndarray) -> np.ndarray:
@@ -169,7 +165,7 @@ def controlled(
         for control, have in zip(controls, found, strict=True):
             control.step(finest.nodes, have, first=step == 0)
             control.add(theta, finest.nodes, have)
-        set_growth(levels, _limited(theta))
+        set_growth(levels, limited(theta, LARGEST_IN_SPACE))
         if step == 0:  # where the start solves the equations, as in a box, there is nothing to measure by but this
             unit = max(unit, finest.residual())
         _safe_cycle(levels, outcome)
@@ -202,7 +198,8 @@ def _judged(
     wrong = np.concatenate([control.wrong(have) for control, have in zip(controls, found, strict=True)], axis=1)
     angle, height = (float(worst) for worst in wrong.max(axis=1, initial=0.0))
     good = (wrong[0] < angle_within) & (wrong[1] < height_within)
-    return Controlled((), angle, height, bool(good.all()), float(good.mean()) if len(good) else 1.0)
+    share = float(np.concatenate([have.counts.ravel() for have in found]).mean())
+    return Controlled((), angle, height, bool(good.all()), float(good.mean()) if len(good) else 1.0, share)
 
 
 def _opposite(face: str) -> str:

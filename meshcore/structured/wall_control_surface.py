@@ -6,7 +6,7 @@ the angles that edges make in the tangent planes of the surface, and measured th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from .wall_control import (
     Wall,
     from_wall,
     height_step,
+    judged,
     lean_step,
     limited,
     measured,
@@ -143,15 +144,6 @@ class _Control:
         view[normal] += outwards * self.growth[:, None] * np.exp(-self.fall * np.arange(view.shape[2]))
         view[along] += self.lean[:, None] * np.exp(-LEAN_REACH * distance / unit)
 
-    def excess(self, have: Measured) -> tuple[float, float]:
-        """Largest error of angle (degrees) and of height (relative) where they count."""
-        if not have.counts.any():
-            return 0.0, 0.0
-        angle = 0.0 if self.wall.angle is None else np.abs(have.angle - self.wall.angle)[have.counts].max()
-        wanted = self.wall.first_height
-        height = 0.0 if wanted is None else np.abs(have.height / wanted - 1)[have.counts].max()
-        return float(angle), float(height)
-
 
 def controlled(
     levels: list[OnSurface], walls: list[Wall], growth: np.ndarray, *, progress: Progress = silent
@@ -170,10 +162,9 @@ def controlled(
     for step in range(MOST_STEPS):
         points, normals = finest.points_and_normals()
         found = [control.found(points, normals) for control in controls]
-        errors = [control.excess(have) for control, (have, _) in zip(controls, found, strict=True)]
-        angle, height = (float(error) for error in np.max(errors, axis=0))
-        converged = angle < ANGLE_WITHIN and height < HEIGHT_WITHIN and residuals[-1] < RESIDUAL_WITHIN * unit
-        worst.append(angle / ANGLE_WITHIN + height / HEIGHT_WITHIN)
+        went = judged(walls, [have for have, _ in found])
+        converged = went.converged and residuals[-1] < RESIDUAL_WITHIN * unit
+        worst.append(went.angle / ANGLE_WITHIN + went.height / HEIGHT_WITHIN)
         if converged or (len(worst) > PATIENCE and min(worst[-PATIENCE:]) > 0.98 * min(worst[:-PATIENCE])):
             break
         theta = growth.copy()
@@ -184,8 +175,8 @@ def controlled(
         if step == 0:  # where the start solves the equations there is nothing to measure by but this
             unit = residuals[0] = max(unit, finest.residual())
         residuals.append(cycles.once())
-        advance(progress, step / MOST_STEPS, f"angle within {angle:.2g} degrees, height within {height:.1%}")
-    return Controlled(tuple(residual / unit for residual in residuals), angle, height, converged)
+        advance(progress, step / MOST_STEPS, f"angle within {went.angle:.2g} degrees, height within {went.height:.1%}")
+    return replace(went, history=tuple(residual / unit for residual in residuals), converged=converged)
 
 
 class _Cycles:
