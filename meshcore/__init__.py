@@ -6,7 +6,18 @@ from . import adapt, io, quality
 from .adapt import refined
 from .errors import Cancelled, GenerationFailed, InvalidGeometry, InvalidInput, MeshcoreError, MissingLibrary
 from .geometry.location import locate
-from .mesh import Cut, Degenerate, Mesh, MultiBlock, PolyhedralMesh, StructuredGrid, degenerate, with_named_sides
+from .mesh import (
+    Cut,
+    Degenerate,
+    Mesh,
+    MultiBlock,
+    Patch,
+    PolyhedralMesh,
+    StructuredGrid,
+    degenerate,
+    patches,
+    with_named_sides,
+)
 from .operation import Length, Relative, operations
 from .progress import Progress, silent
 from .report import Report, Result
@@ -52,6 +63,7 @@ __all__ = [
     "MeshcoreError",
     "MissingLibrary",
     "MultiBlock",
+    "Patch",
     "PolyhedralMesh",
     "Progress",
     "Relative",
@@ -81,6 +93,7 @@ __all__ = [
     "o_grid",
     "operations",
     "parabolic",
+    "patches",
     "quality",
     "refined",
     "silent",

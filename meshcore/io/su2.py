@@ -1,7 +1,8 @@
 """SU2 meshes (.su2), in the plane and in space; markers are sets of boundary cells.
 
 Cells of the domain come first, then the boundary's, marker by marker. Boundary cells in no set cannot be written
-but as the marker "unnamed".
+but as the marker "unnamed". SU2 takes blanks, commas, brackets and the like in names for the end of them, so these are
+written as underscores: "far field" is the marker "far_field".
 
 References
 ----------
@@ -10,6 +11,8 @@ https://su2code.github.io/docs_v7/Mesh-File/
 
 from __future__ import annotations
 
+import re
+from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
@@ -129,17 +132,25 @@ def _markers(mesh: Mesh, is_domain: np.ndarray) -> dict[str, list[int]]:
     """Each boundary cell in one marker."""
     free, markers, dropped = ~is_domain, {}, []
     for name, members in mesh.sets.items():
-        if is_domain[members].any() or not free[members].all() or name != " ".join(name.split()) or not name:
+        if is_domain[members].any() or not free[members].all():
             dropped.append(name)
             continue
-        markers[name] = np.unique(members).tolist()
+        markers[_tag(name, markers)] = np.unique(members).tolist()
         free[members] = False
-    warn_dropped(
-        "sets", dropped, "a marker of SU2 holds boundary cells that no other marker has, and its name has no odd blanks"
-    )
+    warn_dropped("sets", dropped, "a marker of SU2 holds boundary cells that no other marker has")
     if free.any():
-        markers[_UNNAMED if _UNNAMED not in markers else _UNNAMED + "_2"] = np.flatnonzero(free).tolist()
+        markers[_tag(_UNNAMED, markers)] = np.flatnonzero(free).tolist()
     return markers
+
+
+def _tag(name: str, taken: Collection[str]) -> str:
+    """A name that SU2's mesh and configuration files hold, and that is not taken."""
+    tag = plain = re.sub(r"[\s,;()\[\]{}=|%'\"]+", "_", name.strip()) or _UNNAMED
+    number = 1
+    while tag in taken:
+        number += 1
+        tag = f"{plain}_{number}"
+    return tag
 
 
 register(

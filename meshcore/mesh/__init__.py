@@ -6,6 +6,7 @@ from .degenerate import Degenerate, degenerate
 from .mesh import Mesh
 from .multi_block import MultiBlock
 from .named_sides import with_named_sides
+from .patches import Patch, patches
 from .polyhedral_mesh import PolyhedralMesh
 from .structured_grid import StructuredGrid
 from .topology import Facets
@@ -19,8 +20,10 @@ __all__ = [
     "Facets",
     "Mesh",
     "MultiBlock",
+    "Patch",
     "PolyhedralMesh",
     "StructuredGrid",
     "degenerate",
+    "patches",
     "with_named_sides",
 ]

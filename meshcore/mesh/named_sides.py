@@ -6,9 +6,9 @@ from typing import Union
 
 import numpy as np
 
-from .cuts import free_sides
 from .mesh import Mesh
 from .multi_block import MultiBlock
+from .patches import patches
 from .structured_grid import FACES, StructuredGrid
 
 
@@ -18,7 +18,8 @@ def with_named_sides(grid: Union[StructuredGrid, MultiBlock]) -> Mesh:
     Parameters
     ----------
     grid : StructuredGrid or MultiBlock
-        Parts of sides that cuts join to others are no sides. Sides without names are in the set "boundary".
+        Parts of sides that cuts join to others are no sides. Sides without names are in the set "boundary"; the two
+        sides of a cut that moves points are sets of their own, as `patches` names them.
 
     Returns
     -------
@@ -38,14 +39,13 @@ def with_named_sides(grid: Union[StructuredGrid, MultiBlock]) -> Mesh:
     numbers = blocks.numbers()
     used = np.unique(np.concatenate([number.ravel() for number in numbers]))
     sides: dict[str, list[np.ndarray]] = {}
-    for block, axis, last, free in free_sides([b.shape for b in blocks.blocks], blocks.joins):
-        name = blocks.blocks[block].names.get(FACES[2 * axis + last], "boundary")
-        nodes = np.moveaxis(numbers[block], axis, 0)[-last]
-        sides.setdefault(name, []).append(np.searchsorted(used, _cells(nodes, free)))
-    cells = {name: np.concatenate(parts) for name, parts in sides.items()}
-    cells = {name: rows for name, rows in cells.items() if len(rows)}
-    if not cells:
+    for patch in patches(blocks, moved=True):
+        inside = tuple(slice(low, high + 1) for low, high in zip(*patch.points, strict=True))
+        nodes = numbers[patch.block][inside].squeeze(axis=FACES.index(patch.face) // 2)
+        sides.setdefault(patch.name, []).append(np.searchsorted(used, _cells(nodes)))
+    if not sides:
         return whole
+    cells = {name: np.concatenate(parts) for name, parts in sides.items()}
     kind = "line" if next(iter(cells.values())).shape[1] == 2 else "quad"
     count, sets = whole.n_cells, {}
     for name, rows in cells.items():
@@ -59,9 +59,8 @@ def with_named_sides(grid: Union[StructuredGrid, MultiBlock]) -> Mesh:
     )
 
 
-def _cells(nodes: np.ndarray, free: np.ndarray) -> np.ndarray:
-    """(k, 2) or (k, 4) int: lines or quads of a side's points (n, m), where it is free."""
-    if nodes.shape[1] == 1 and free.shape[1] == 1:
-        return np.column_stack([nodes[:-1, 0], nodes[1:, 0]])[free[:, 0]]
-    quads = np.stack([nodes[:-1, :-1], nodes[1:, :-1], nodes[1:, 1:], nodes[:-1, 1:]], axis=-1)
-    return quads[free]
+def _cells(nodes: np.ndarray) -> np.ndarray:
+    """(k, 2) or (k, 4) int: lines or quads of a side's points (n, m)."""
+    if nodes.shape[1] == 1:
+        return np.column_stack([nodes[:-1, 0], nodes[1:, 0]])
+    return np.stack([nodes[:-1, :-1], nodes[1:, :-1], nodes[1:, 1:], nodes[:-1, 1:]], axis=-1).reshape(-1, 4)

@@ -387,3 +387,12 @@ def test_equal_corners_of_stl_become_one_point(tmp_path: Path) -> None:
     mesh = mc.Mesh(corners, {"triangle": faces})
     mc.io.write(tmp_path / "a.stl", mesh)
     assert mc.io.read(tmp_path / "a.stl").cells["triangle"].tolist() == [[0, 1, 2], [0, 1, 3]]
+
+
+def test_markers_have_names_that_su2_takes(tmp_path: Path) -> None:
+    cells = {"quad": [[0, 1, 2, 3]], "line": [[0, 1], [1, 2], [2, 3], [3, 0]]}
+    sets = {"far field": [1], "far_field": [2], "wall (upper), 1": [3]}
+    mc.io.write(tmp_path / "mesh.su2", mc.Mesh([[0, 0], [1, 0], [1, 1], [0, 1]], cells, sets=sets))
+    again = mc.io.read(tmp_path / "mesh.su2")
+    named = {"far_field": [1], "far_field_2": [2], "wall_upper_1": [3], "unnamed": [4]}
+    assert {name: members.tolist() for name, members in again.sets.items()} == named
