@@ -92,3 +92,24 @@ def quarter_turned(turn: int, width: int = 3, bend: float = 0.0) -> MultiBlock:
     transform = (*(int(step @ [1, 2, 0]) for step in steps), 3)
     cut = Cut(((width + 1, 0, 0), (width + 1, width, 0)), (tuple(at(0)), tuple(at(width))), transform, 0, 1)
     return MultiBlock((StructuredGrid(first), StructuredGrid(np.rot90(second, turn))), cuts=(cut,))
+
+
+def turned_volumes(order: tuple[int, int, int], back: tuple[bool, bool, bool]) -> MultiBlock:
+    """Two blocks that share a face, the axes of the second in any order, each counted forwards or backwards."""
+
+    def box(start: int, ni: int) -> np.ndarray:
+        return np.stack(np.meshgrid(start + np.arange(ni), np.arange(4), np.arange(5), indexing="ij"), axis=-1) / 7
+
+    plain = box(2, 6)
+    turned = plain.transpose(*order, 3)[tuple(slice(None, None, -1 if b else 1) for b in back)]
+
+    def at(i: int, j: int, k: int) -> tuple[int, ...]:
+        return tuple(int(n) for n in np.argwhere((turned == plain[i, j, k]).all(axis=-1))[0])
+
+    steps = np.array([at(1, 0, 0), at(0, 1, 0), at(0, 0, 1)]) - at(0, 0, 0)
+    transform = tuple(int(step @ [1, 2, 3]) for step in steps)
+    cut = Cut(((2, 0, 0), (2, 3, 4)), (at(0, 0, 0), at(0, 3, 4)), transform, 0, 1, name="middle")
+    free = "ijk"[(order.index(0) + 1) % 3]  # an axis of the second block that lies along the face
+    names = ({"imin": "in", "jmax": "side wall"}, {f"{free}min": "it's"})
+    blocks = tuple(StructuredGrid(p, names=n) for p, n in zip((box(0, 3), turned), names, strict=True))
+    return MultiBlock(blocks, cuts=(cut,))

@@ -35,7 +35,7 @@ class Holds:
     sets : bool
         Whether named sets are held.
     sides : bool
-        Whether named sides of structured grids become sets of boundary cells.
+        Whether named sides of structured grids are held: as sets of boundary cells, or with cuts where blocks are.
     planar : bool
         The format has no z.
     polygons, polyhedra : bool
@@ -140,14 +140,16 @@ def _fitted_grid(mesh: Mesh | StructuredGrid | MultiBlock, holds: Holds, name: s
     blocks = mesh.blocks if isinstance(mesh, MultiBlock) else (mesh,)
     reason = f"{name} does not hold them; .vts and .vtm do"
     for what, attribute in (("point data", "point_data"), ("cell data", "cell_data"), ("face names", "names")):
+        if attribute == "names" and holds.sides:
+            continue
         kept = getattr(holds, attribute, False) or ()
         held = dict.fromkeys(key for block in blocks for key in getattr(block, attribute))
         warn_dropped(what, [key for key in held if key not in kept], reason)
-    if any(any(block.periodic) for block in blocks):
+    if any(any(block.periodic) for block in blocks) and not holds.sides:
         warn_dropped("the property", ["periodic"], reason)
-    if any(block.cuts for block in blocks) or (isinstance(mesh, MultiBlock) and mesh.cuts):
+    if (any(block.cuts for block in blocks) or (isinstance(mesh, MultiBlock) and mesh.cuts)) and not holds.sides:
         warn_dropped("the property", ["cuts"], reason)
-    if isinstance(mesh, MultiBlock):
+    if isinstance(mesh, MultiBlock) and not holds.sides:
         warn_dropped("block names", [n for k, n in enumerate(mesh.names) if n != f"block {k}"], reason)
     return mesh
 

@@ -3,6 +3,8 @@
 The file does not say which of these it is. Each reading that is possible is tried against the file's length, and the
 one that fits to the last byte (or number) is taken. ``iblank`` is kept as point data.
 
+Names of blocks and faces, periodic directions and cuts stand in a neutral map file of the same name beside it, `neutral_map`.
+
 References
 ----------
 P. G. Buning and P. P. Walatka, "PLOT3D user's manual", NASA TM-101067 (1990).
@@ -13,15 +15,18 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import InvalidInput
-from ..mesh import MultiBlock, StructuredGrid
+from ..mesh import Mesh, MultiBlock, StructuredGrid
+from ..mesh.patches import UNNAMED
+from .bounded import bounded
 from .content import exact, floats, number
-from .fit import Holds
+from .fit import Holds, warn_dropped
+from .neutral_map import SUFFIX, read_map, write_map
 from .registry import AnyMesh, register
 from .vtk_data import GRID, DataSet, decoded, together
 
@@ -51,7 +56,7 @@ class _Layout:
 
 
 def read_plot3d(path: Path) -> AnyMesh:
-    """One block as a grid, several as a `MultiBlock`."""
+    """One block as a grid, several as a `MultiBlock`; with names and cuts where a neutral map lies beside the file."""
     data = path.read_bytes()
     blocks = _from_text(data) if _is_text(data) else (_from_records(data) or _from_stream(data))
     if blocks is None:
@@ -60,7 +65,18 @@ def read_plot3d(path: Path) -> AnyMesh:
             "or space; with or without iblank), so it is cut off or something else"
         )
     grids = {f"block {k}": decoded(block) for k, block in enumerate(blocks)}
-    return next(iter(grids.values())) if len(grids) == 1 else together(grids)
+    plain = next(iter(grids.values())) if len(grids) == 1 else together(grids)
+    beside = path.with_suffix(SUFFIX)
+    if isinstance(plain, Mesh) or not beside.is_file():
+        return plain
+    blocks = list(grids.values())
+    try:
+        names, patches, cuts = read_map(beside, [block.shape for block in blocks])
+    except (InvalidInput, OSError) as error:
+        warn_dropped("the neutral map", [beside.name], f"it does not fit: {error}")
+        return plain
+    named = [replace(patch, name="") if patch.name == UNNAMED else patch for patch in patches]
+    return bounded(blocks, names, named, cuts)
 
 
 def _is_text(data: bytes) -> bool:
@@ -235,6 +251,7 @@ def write_plot3d(
     binary: bool = True,
     record_markers: bool = True,
     planar: bool = False,
+    boundaries: bool = True,
 ) -> None:
     """Double precision; one grid without a number of blocks, several with it.
 
@@ -250,6 +267,8 @@ def write_plot3d(
         Fortran's unformatted records, or plain binary.
     planar : bool
         Two sizes and coordinates a block; the grids must be surfaces with z = 0.
+    boundaries : bool
+        Also write the neutral map file, of the same name with ".nmf".
     """
     blocks = grid.blocks if isinstance(grid, MultiBlock) else (grid,)
     dimension = 2 if planar else 3
@@ -260,6 +279,8 @@ def write_plot3d(
     if isinstance(grid, MultiBlock):
         heading.insert(0, np.array([len(blocks)], np.int32))
     bodies = [_body(b, dimension, blanked) for b in blocks]
+    if boundaries:
+        write_map(path.with_suffix(SUFFIX), grid)
     if not binary:
         _write_text(path, heading, bodies)
         return
@@ -295,8 +316,9 @@ def _write_text(path: Path, heading: list[np.ndarray], bodies: list[list[np.ndar
 register(
     "PLOT3D",
     (".xyz", ".p3d", ".x", ".g"),
-    "structured grids: text, unformatted or plain binary, with iblank; options binary, record_markers, planar",
-    Holds(blocks=2, point_data=(IBLANK,)),
+    "structured grids: text, unformatted or plain binary, with iblank; names and cuts in a neutral map file beside; "
+    "options binary, record_markers, planar, boundaries",
+    Holds(blocks=2, point_data=(IBLANK,), sides=True),
     read=read_plot3d,
     write=write_plot3d,
 )
