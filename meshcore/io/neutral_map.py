@@ -1,4 +1,4 @@
-"""Neutral map files (.nmf), beside PLOT3D's grids: which ranges of which faces are joined, and what the others are called.
+"""Neutral map files (.nmf), beside PLOT3D's grids: which ranges of faces are joined, and what the others are called.
 
 ::
 
@@ -6,8 +6,8 @@
     'far field'      1  6   1   1   1 163
     ONE_TO_ONE       1  5   1   1   1  46   1  5   1   1 163 118  FALSE   # wake
 
-Faces 1 to 6 are kmin, kmax, imin, imax, jmin, jmax; S1, E1 and S2, E2 are the first and last points along the axes that
-follow the face's own in the order i, j, k, i, j, counted from 1; Swap tells that the first axis here is the second there.
+Faces 1 to 6 are kmin, kmax, imin, imax, jmin, jmax; S1, E1 and S2, E2 are the first and last points, counted from 1,
+along the axes that follow the face's own in the order i, j, k, i, j; Swap: the first here is the second there.
 What stands behind # is the name of a block or of a join.
 
 References
@@ -158,7 +158,7 @@ def _cut(words: list[str], line: int, shapes: Sequence[tuple[int, int, int]], na
     swap = len(words) > 13 and words[13].strip("'\"").upper().strip(".") in ("TRUE", "T")
     here, there = _axes(face), _axes(partner_face)
     transform = [0, 0, 0]
-    # Beyond a face lies the partner's inside: the axes across are counted alike if one face is a first, the other a last.
+    # Beyond a face lies the partner's inside: the axes across are counted alike if one face is a first, one a last.
     transform[here[0]] = (there[0] + 1) * (1 if face[1:] != partner_face[1:] else -1)
     along = there[:0:-1] if swap else there[1:]
     for axis, other in zip(here[1:], along, strict=True):

@@ -3,7 +3,7 @@
 The file does not say which of these it is. Each reading that is possible is tried against the file's length, and the
 one that fits to the last byte (or number) is taken. ``iblank`` is kept as point data.
 
-Names of blocks and faces, periodic directions and cuts stand in a neutral map file of the same name beside it, `neutral_map`.
+Names of blocks and faces, periodic directions and cuts stand in a neutral map file beside it, `neutral_map`.
 
 References
 ----------
