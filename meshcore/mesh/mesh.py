@@ -12,6 +12,7 @@ import numpy as np
 from ..errors import InvalidGeometry, InvalidInput
 from . import topology
 from .cells import CELL_TYPES
+from .extent import bounds
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -122,8 +123,7 @@ class Mesh:
         """(2, 3) float: lower and upper corner of the bounding box; zeros without points."""
         if not self.n_points:
             return np.zeros((2, 3))
-        # Axis by axis, which numpy does ten times faster than by rows of three.
-        return np.array([[axis.min() for axis in self.points.T], [axis.max() for axis in self.points.T]])
+        return bounds(self.points)
 
     @property
     def diagonal(self) -> float:

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..errors import InvalidGeometry, InvalidInput
 from .cuts import Cut, checked_cuts, closing, glued
+from .extent import extents
 from .mesh import Mesh
 
 FACES = ("imin", "imax", "jmin", "jmax", "kmin", "kmax")
@@ -109,8 +110,7 @@ class StructuredGrid:
     @cached_property
     def diagonal(self) -> float:
         """Length of the bounding box's diagonal."""
-        flat = self.points.reshape(-1, 3)
-        return float(np.linalg.norm(flat.max(axis=0) - flat.min(axis=0)))
+        return float(np.linalg.norm(extents(self.points)))
 
     def with_points(self, points: np.ndarray) -> StructuredGrid:
         """The same grid on moved points."""

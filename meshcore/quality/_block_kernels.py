@@ -2,12 +2,41 @@
 
 import math
 
+import numpy as np
+
 from .._numba import kernel
+
+U = np.uint64
 
 
 @kernel
 def _determinant(a0, a1, a2, b0, b1, b2, c0, c1, c2):
     return a0 * (b1 * c2 - b2 * c1) + a1 * (b2 * c0 - b0 * c2) + a2 * (b0 * c1 - b1 * c0)
+
+
+@kernel
+def least_determinant(points):
+    """The least of the corner determinants of all cells, nan if one is."""
+    least = math.inf
+    for i in range(points.shape[0] - 1):
+        for j in range(points.shape[1] - 1):
+            for k in range(points.shape[2] - 1):
+                for corner in range(8):
+                    p, q, r = corner & 1, (corner >> 1) & 1, corner >> 2
+                    x = points[U(i + p), U(j + q), U(k + r)]
+                    a = points[U(i + 1 - p), U(j + q), U(k + r)]
+                    b = points[U(i + p), U(j + 1 - q), U(k + r)]
+                    c = points[U(i + p), U(j + q), U(k + 1 - r)]
+                    det = _determinant(
+                        a[0] - x[0], a[1] - x[1], a[2] - x[2],
+                        b[0] - x[0], b[1] - x[1], b[2] - x[2],
+                        c[0] - x[0], c[1] - x[1], c[2] - x[2],
+                    )  # fmt: skip
+                    # Edges that run against their axes: an odd number of them changes the sign.
+                    det = det if (p + q + r) % 2 == 0 else -det
+                    if not det >= least:
+                        least = det
+    return least
 
 
 @kernel

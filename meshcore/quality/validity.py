@@ -13,7 +13,7 @@ from ..mesh import CELL_TYPES, Mesh, StructuredGrid
 from . import _edge_kernels as edge_kernels
 from . import _repeat_kernels as repeat_kernels
 from . import embedding
-from .block import sound_summary
+from .block import is_sound
 from .given import as_mesh
 from .kept import missing_segments, same_points
 from .keys import cell_keys, directed_edges, directed_faces, repeats
@@ -94,7 +94,7 @@ def validate(mesh: Mesh | StructuredGrid, boundary: Mesh | None = None, *, raise
     """
     if boundary is not None and not len(boundary.get("line")):
         raise InvalidInput(f"needs line cells, got {boundary!r}", parameter="boundary")
-    if boundary is None and sound_summary(mesh) is not None:
+    if boundary is None and is_sound(mesh):
         return []
     examined = _Examined(as_mesh(mesh))
     checks = (_orientation,) if isinstance(mesh, StructuredGrid) else _CHECKS

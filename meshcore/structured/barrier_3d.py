@@ -16,6 +16,7 @@ from functools import partial
 import numpy as np
 from scipy.ndimage import binary_dilation, find_objects, label
 
+from ..mesh.extent import bounds
 from ..progress import Progress, advance, part_of, silent
 from . import _barrier_3d_kernels as kernels
 from .descent import minimised
@@ -99,8 +100,8 @@ class _Patch:
 
     def __init__(self, points: np.ndarray):
         self._points = points
-        self._low = points.min(axis=(0, 1, 2))
-        self._size = float(np.ptp(points, axis=(0, 1, 2)).max()) or 1.0
+        self._low, high = bounds(points)
+        self._size = float((high - self._low).max()) or 1.0
         self._r = np.ascontiguousarray(np.moveaxis((points - self._low) / self._size, -1, 0))
         lengths = [np.linalg.norm(np.diff(self._r, axis=1 + d), axis=0) for d in range(3)]
         along = [length.mean(axis=tuple({0, 1, 2} - {d})) for d, length in enumerate(lengths)]

@@ -8,6 +8,8 @@ import numpy as np
 
 from ..errors import GenerationFailed
 from ..mesh import StructuredGrid, topology
+from ..mesh.extent import extents
+from ..quality.block import is_sound
 from .control_functions import poles
 
 FLAT = 1e-12
@@ -49,6 +51,8 @@ def folded_cells(points: np.ndarray) -> np.ndarray:
 
 def refuse_folds(grid: StructuredGrid, cure: str, folded: np.ndarray | None = None) -> None:
     """Raise `GenerationFailed`, with cells and grid, if a surface grid has folded cells, which may be known already."""
+    if folded is None and not extents(grid.points).all() and is_sound(grid):  # in a plane across an axis
+        return
     folded = folded_cells(grid.points[:, :, 0]) if folded is None else folded
     if not folded.any():
         return
@@ -131,7 +135,7 @@ def _plane_normal(points: np.ndarray, area: np.ndarray) -> np.ndarray | None:
     """Unit normal of the plane that holds all points, or None; its side is that of the boundary's area vector."""
     if (points[..., 2] == points[0, 0, 2]).all():
         return np.array([0.0, 0.0, 1.0 if area[2] >= 0 else -1.0])
-    extent = float(np.linalg.norm(np.ptp(points.reshape(-1, 3), axis=0)))
+    extent = float(np.linalg.norm(extents(points)))
     size = float(np.linalg.norm(area))
     if size <= 1e-9 * extent**2:
         return None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import InvalidGeometry, InvalidInput
+from ..mesh.extent import bounds
 
 MAX_POINTS = 50_000_000
 LARGEST, SMALLEST = 1e75, 1e-75
@@ -50,12 +51,13 @@ def check_extent(points: np.ndarray, *, parameter: str) -> float:
     >>> check_extent(np.array([[0.0, 0, 0], [3, 4, 0]]), parameter="south")
     5.0
     """
-    largest = float(np.abs(points).max())
-    extent = float(np.ptp(points, axis=0).max()) if largest < LARGEST else largest
+    low, high = bounds(points)
+    largest = float(np.maximum(-low, high).max())
+    extent = float((high - low).max()) if largest < LARGEST else largest
     if extent == 0:
         raise InvalidGeometry("has all its points at one place; move them apart", parameter=parameter)
     if not SMALLEST < extent < LARGEST:
         raise InvalidGeometry(
             f"has an extent of {extent:.3g}; scale it to between {SMALLEST:g} and {LARGEST:g}", parameter=parameter
         )
-    return float(np.linalg.norm(np.ptp(points, axis=0)))
+    return float(np.linalg.norm(high - low))

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..errors import InvalidInput
+from ..mesh.extent import extents
 from ..threads import Workers
 from .block_faces import AXES, end
 from .transfer import Line, Table, Transfer
@@ -124,7 +125,7 @@ class Pair:
                 f"needs three cells or more between {names}, got {points.shape[axis] - 1}", parameter="periodic"
             )
         first, last = (points.take(layer, axis) for layer in (0, -1))
-        tolerance = ALIKE * float(np.ptp(points.reshape(-1, 3), axis=0).max())
+        tolerance = ALIKE * float(extents(points).max())
         motions = [Motion.between(first[part].reshape(-1, 3), last[part].reshape(-1, 3)) for part in _PARTS]
         off = [np.abs(motion.moved(first) - last).max(axis=-1) for motion in motions]
         best = int(np.argmax([(distance <= tolerance).sum() for distance in off]))
@@ -196,7 +197,7 @@ def pairs_of(points: np.ndarray, axes: Sequence[int], given: Sequence[bool] = (F
     given : three bool
         Where the block says that it is periodic.
     """
-    extent = float(np.ptp(points.reshape(-1, 3), axis=0).max())
+    extent = float(extents(points).max())
     pairs = []
     for axis in range(3):
         lines = np.moveaxis(points, axis, 0)

@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 
+from ..mesh.extent import extents
 from ..progress import Progress, silent
 from ..threads import Workers, available_threads
 from . import _winslow_3d_kernels as kernels
@@ -103,8 +104,7 @@ class BlockFrame:
     @classmethod
     def of(cls, points: np.ndarray) -> BlockFrame:
         """The frame that suits a block."""
-        flat = points.reshape(-1, 3)
-        return cls(flat.mean(axis=0), float(np.ptp(flat, axis=0).max()) or 1.0)
+        return cls(points.reshape(-1, 3).mean(axis=0), float(extents(points).max()) or 1.0)
 
     def inside(self, points: np.ndarray) -> np.ndarray:
         """(3, ni, nj, nk) from (ni, nj, nk, 3)."""

@@ -7,8 +7,10 @@ from hypothesis import strategies as st
 
 from meshcore import StructuredGrid
 from meshcore.errors import GenerationFailed
+from meshcore.quality import _block_kernels as kernels
 from meshcore.quality import measure, summary, validate
-from meshcore.quality.block import sound_summary
+from meshcore.quality.block import is_sound, sound_summary
+from meshcore.quality.solid import corner_jacobians
 
 
 def jittered(seed, size, shape=(4, 3, 5)):
@@ -23,7 +25,7 @@ def test_equals_the_summary_of_the_cells(seed, size):
     fast = sound_summary(grid)
     folded = measure(mesh, "jacobian").min() <= 0  # this counts the centre, too
     corners = validate(mesh, raise_=False)
-    assert (fast is None) == bool(corners)
+    assert (fast is None) == (not is_sound(grid)) == bool(corners)
     if fast is not None:
         assert fast == pytest.approx(summary(mesh), rel=1e-12)
         assert validate(grid) == []
@@ -43,9 +45,20 @@ def test_extreme_sizes_take_the_long_way(scale):
     )
 
 
-def test_surfaces_and_flat_cells_are_not_its_affair():
-    assert sound_summary(StructuredGrid(jittered(1, 0)[:, :, :1])) is None
+def test_flat_cells_are_not_its_affair():
     flat = jittered(1, 0)
     flat[..., 2] = 0
-    assert sound_summary(StructuredGrid(flat)) is None
-    assert sound_summary(None) is None
+    assert sound_summary(StructuredGrid(flat)) is None and not is_sound(StructuredGrid(flat))
+    assert sound_summary(None) is None and not is_sound(None)
+
+
+@given(st.integers(0, 10**6), st.floats(0, 0.7))
+def test_least_determinant_is_that_of_all_corners(seed, size):
+    points = jittered(seed, size)
+    corners = corner_jacobians("hexahedron", cell_corners(points))
+    assert kernels.least_determinant(points) == pytest.approx(corners.min(), abs=1e-12)
+
+
+def cell_corners(points):
+    mesh = StructuredGrid(points).to_mesh()
+    return mesh.points[mesh.get("hexahedron")]
