@@ -172,8 +172,21 @@ def _with_sizes(density: np.ndarray, fine: np.ndarray, cells: int, sizes, growth
 
 
 def _shared_out(cells: int, weights: np.ndarray) -> np.ndarray:
-    """Whole numbers of at least 1 that add up to ``cells``, in proportion to ``weights`` (largest remainders)."""
-    exact = (cells - len(weights)) * weights / weights.sum()
-    counts = np.floor(exact).astype(int)
-    counts[np.argsort(counts - exact, kind="stable")[: cells - len(weights) - counts.sum()]] += 1
-    return counts + 1
+    """Whole numbers of at least 1 that add up to ``cells``, whose shares of ``weights`` differ by the least factors.
+
+    That is Huntington and Hill's method of equal proportions: ``c`` gives way to ``c + 1`` at their geometric mean, so
+    that a short stretch, as a blunt edge, has cells as near to the length of its neighbours' as can be.
+    """
+
+    def rounded(divisor: float) -> np.ndarray:
+        whole = np.floor(weights / divisor)
+        return np.maximum(whole + (weights / divisor > np.sqrt(whole * (whole + 1))), 1).astype(int)
+
+    low, high = 0.5 * weights.sum() / cells, weights.sum() * 2  # divisors that give too many, and one to each
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if rounded(middle).sum() <= cells else (middle, high)
+    counts = rounded(high)
+    while counts.sum() < cells:  # stretches of the same weight, of which not all can have one more
+        counts[np.argmax(weights / np.sqrt(counts * (counts + 1)))] += 1
+    return counts

@@ -1,5 +1,7 @@
 """Turning, corners and new spacing of closed loops."""
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -8,7 +10,7 @@ from hypothesis import strategies as st
 from meshcore import gallery
 from meshcore.errors import InvalidInput
 from meshcore.geometry.curves import corners, polyline, turning
-from meshcore.sizing.around_loop import accumulated, respaced_loop, smoothed_turning
+from meshcore.sizing.around_loop import _shared_out, accumulated, respaced_loop, smoothed_turning
 
 SECTIONS = {name: polyline(gallery.airfoil(name))[:-1, :2] for name in gallery.airfoils()}
 
@@ -115,3 +117,31 @@ def test_cells_have_the_sizes_asked_at_the_edges_and_grow_from_there(name):
 def test_too_few_cells_for_the_sizes():
     with pytest.raises(InvalidInput, match=r"around: 40 cells are too few for the spacing at the edges; give \d+"):
         respaced_loop(SECTIONS["rae2822"], 40, sizes=[(0.0, 1e-6)])
+
+
+@given(st.lists(st.floats(1e-6, 1), min_size=1, max_size=7), st.integers(0, 300))
+def test_stretches_share_cells_in_equal_proportions(weights, more):
+    """No cell that changes its stretch brings the two stretches' weights a cell closer (Huntington's test)."""
+    weights = np.array(weights)
+    counts = _shared_out(len(weights) + more, weights)
+    assert counts.sum() == len(weights) + more and counts.min() >= 1
+
+    def factor(a, b, of_a, of_b):
+        return max(a / of_a, b / of_b) / min(a / of_a, b / of_b)
+
+    for give, take in itertools.permutations(range(len(weights)), 2):
+        if counts[give] > 1:
+            now = factor(weights[give], weights[take], counts[give], counts[take])
+            then = factor(weights[give], weights[take], counts[give] - 1, counts[take] + 1)
+            assert now <= then * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("cells", [150, 200, 250, 300, 400, 600])
+def test_cells_of_a_blunt_edge_are_like_their_neighbours(cells):
+    """Lines that leave its corners along the bisector are the more skew the more the cells beside it differ."""
+    new = respaced_loop(SECTIONS["naca0012"], cells)
+    steps = np.linalg.norm(np.roll(new, -1, axis=0) - new, axis=1)
+    edge = np.flatnonzero(corners(turning(new)))
+    assert len(edge) == 2
+    for corner in edge:
+        assert 1 / 1.45 < steps[corner] / steps[corner - 1] < 1.45
