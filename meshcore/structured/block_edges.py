@@ -95,7 +95,8 @@ class Asked:
     diagonal : float
         What relative lengths are relative to.
     spacings : dict of str to Spacing
-        By axis ("i", "j" or "k"), a spacing of its edges in place of law and ends.
+        By the user's name of an axis ("i", "j" or "k"), a spacing of its edges in place of law and ends, from the face
+        named "min".
     """
 
     cells: tuple[int | None, int | None, int | None]
@@ -117,7 +118,7 @@ class Asked:
             places = end(axis, 0), end(axis, 1)
             keys = [key for key in edges if key[0] == axis]
             count = self.cells[axis] or max(len(edges[key]) for key in keys) - 1
-            spacing = self.along(axis, [names[place] for place in places])
+            spacing = self.along([names[place] for place in places])
             for key in keys:
                 line = edges[key]
                 keeps = spacing is None and len(line) == count + 1
@@ -130,10 +131,10 @@ class Asked:
                     found[key] = self.spaced(spacing, count, line, [names[place] for place in places])
         return found if changed else None
 
-    def along(self, axis: int, names: Sequence[str]) -> Spacing | None:
-        """The spacing of the edges along an axis, whose ends have these names; None if they keep theirs."""
-        if AXES[axis] in self.spacings:
-            return self.spacings[AXES[axis]]
+    def along(self, names: Sequence[str]) -> Spacing | None:
+        """The spacing of the edges between two faces of these names; None if they keep theirs."""
+        if names[0][0] in self.spacings:
+            return self.spacings[names[0][0]]
         first, last = (self.ends[name] for name in names)
         if self.law == "as given" and first is None and last is None:
             return None
@@ -145,10 +146,15 @@ class Asked:
 
     def spaced(self, spacing: Spacing, count: int, line: np.ndarray, names: Sequence[str]) -> np.ndarray:
         """Fractions of an edge's length at which its points are to be."""
+        own = names[0][0] in self.spacings
+        backwards = own and names[0].endswith("max")
         try:
-            return spacing.fractions(count, line, diagonal=self.diagonal)
+            found = spacing.fractions(count, line[::-1] if backwards else line, diagonal=self.diagonal)
+            return 1 - found[::-1] if backwards else found
         except InvalidInput as error:
-            if error.parameter not in ("first", "last") or any(spacing is own for own in self.spacings.values()):
+            if own:
+                raise InvalidInput(f"{error}; change it or the number of cells", parameter="spacings") from None
+            if error.parameter not in ("first", "last"):
                 raise
             size = absolute(getattr(spacing, error.parameter), self.diagonal)
             raise InvalidInput(
@@ -156,6 +162,26 @@ class Asked:
                 "change it or the number of cells",
                 parameter=f"spacing_{names[error.parameter == 'last']}",
             ) from None
+
+
+def checked_spacings(spacings: Mapping[str, Spacing] | None) -> dict[str, Spacing]:
+    """Spacings by axis, or `InvalidInput` if they are of what is no axis, or are no spacings.
+
+    Examples
+    --------
+    >>> checked_spacings({"i": 0.1})
+    Traceback (most recent call last):
+    ...
+    meshcore.errors.InvalidInput: spacings: needs a Spacing for "i", "j" or "k", got float for 'i'
+    """
+    if not isinstance(spacings, (Mapping, type(None))):
+        raise InvalidInput(f'needs a dict by "i", "j" and "k", got {type(spacings).__name__}', parameter="spacings")
+    for axis, spacing in (spacings or {}).items():
+        if axis not in tuple(AXES) or not isinstance(spacing, Spacing):
+            raise InvalidInput(
+                f'needs a Spacing for "i", "j" or "k", got {type(spacing).__name__} for {axis!r}', parameter="spacings"
+            )
+    return dict(spacings or {})
 
 
 def refuse_unequal(edges: Edges, cells: tuple[int | None, int | None, int | None], parameter: str) -> None:

@@ -15,7 +15,7 @@ from ..geometry.surfaces import SplineSurface
 from ..operation import Length
 from ..sizing import Spacing, copied
 from .blending import Patch, crossing
-from .block_edges import Asked
+from .block_edges import Asked, checked_spacings
 from .block_faces import AXES, PLACES, across, end
 from .sides import fractions_of
 from .transfinite_volume import interpolated_volume
@@ -55,12 +55,7 @@ def asked_of_edges(
     >>> asked_of_edges("kept", (None, None, None), dict.fromkeys(PLACES), None, 1.0) is None
     True
     """
-    spacings = dict(spacings or {})
-    for axis, spacing in spacings.items():
-        if axis not in tuple(AXES) or not isinstance(spacing, Spacing):
-            raise InvalidInput(
-                f'needs a Spacing for "i", "j" or "k", got {type(spacing).__name__} for {axis!r}', parameter="spacings"
-            )
+    spacings = checked_spacings(spacings)
     given = [place for place in PLACES if ends[place] is not None and place[0] not in spacings]
     if law == "kept" and given:
         raise InvalidInput("is given, but edges are kept; choose a law for them", parameter=f"spacing_{given[0]}")
@@ -121,7 +116,7 @@ def _edge(line: np.ndarray, axis: int, asked: Asked) -> _Edge:
     """New points of one of the four edges along an axis; one without length stays a point."""
     count = asked.cells[axis] or len(line) - 1
     names = [end(axis, 0), end(axis, 1)]
-    spacing = asked.along(axis, names)
+    spacing = asked.along(names)
     even = np.linspace(0, len(line) - 1, count + 1)
     if spacing is None and count == len(line) - 1:
         return _Edge(line, even)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 from functools import partial
 from itertools import product
 from typing import Annotated, Literal, Union
@@ -18,12 +17,14 @@ from ..operation import Length, Param, Port, Relative, absolute, operation
 from ..progress import Progress, advance, part_of, silent
 from ..quality import measure, summary, validate
 from ..report import Report, Result
+from ..sizing import Spacing
 from ..threads import available_threads, checked_threads, in_parts
 from . import _transfinite_kernels as kernels
-from .blending import NEAR, Blending, Direction, boolean_sum
+from .blending import Blending, boolean_sum
 from .block_corners import refuse_corners
-from .block_edges import Asked, arranged, refuse_unequal, spanned
-from .block_faces import AXES, PLACES, BlockFaces, across, end
+from .block_directions import directions_of
+from .block_edges import Asked, arranged, checked_spacings, refuse_unequal, spanned
+from .block_faces import AXES, PLACES, BlockFaces, across
 from .block_parameters import (
     BlockCellsIParam,
     BlockCellsJParam,
@@ -86,6 +87,7 @@ def transfinite_volume(
     tolerance: Annotated[Length, Param("Largest gap between edges that is closed", min=0, advanced=True)] = (
         Relative(1e-6)
     ),
+    spacings: Mapping[str, Spacing] | None = None,
     slopes: Mapping[str, np.ndarray] | None = None,
     surfaces: Mapping[tuple[str, int], np.ndarray] | None = None,
     threads: int | None = None,
@@ -128,6 +130,9 @@ def transfinite_volume(
         given, which would be lost. The report tells what was done.
     tolerance : Length
         Edges of faces, and ends of edges, that are no farther apart than this are joined.
+    spacings : dict of str to Spacing, optional
+        By axis ("i", "j" or "k"), the spacing of its four edges, from the face given as min to that given as max, in
+        place of ``law`` and sizes of cells. From Python only.
     slopes : dict of str to (n, m, 3) float, optional
         For "cubic" blending: by the name of a face of the result, for each of its points the step to the next layer
         in the direction of the index. Blocks that share a face and its slopes join smoothly. From Python only.
@@ -172,7 +177,7 @@ def transfinite_volume(
     _refuse_without_cubic(slopes, blending)
     cells = cells_i, cells_j, cells_k
     read, diagonal = _read(given)
-    asked = Asked(cells, law, dict(zip(PLACES, heights, strict=True)), diagonal)
+    asked = Asked(cells, law, dict(zip(PLACES, heights, strict=True)), diagonal, checked_spacings(spacings))
     block = _block(read, asked, blending, absolute(tolerance, diagonal))
     advance(progress, 0.2, "interpolating")
     points = _points(block, blending, slopes, surfaces, threads)
@@ -361,16 +366,7 @@ def _points(block: BlockFaces, blending: str, slopes, surfaces, threads: int | N
     """The points inside, by linear projections at once, or one after another where more is known than the faces."""
     if blending != "cubic" and not surfaces:
         return interpolated_volume(block.faces, blending=blending, threads=threads)
-    directions = _directions(block, blending, surfaces or {})
-    if blending == "cubic" and slopes is None:
-        linear = boolean_sum([replace(d, smooth=False) for d in directions])
-        directions = [replace(d, slopes=_normal(d, axis, linear), reach=NEAR) for axis, d in enumerate(directions)]
-    elif slopes:
-        directions = [replace(d, slopes=_given(slopes, axis, d)) for axis, d in enumerate(directions)]
-        unknown = set(slopes) - set(PLACES)
-        if unknown:
-            raise InvalidInput(f"{sorted(unknown)[0]!r} is no face", parameter="slopes")
-    points = boolean_sum(directions)
+    points = boolean_sum(directions_of(block, blending, slopes, surfaces or {}))
     for (axis, index), surface in (surfaces or {}).items():
         away = float(np.abs(np.moveaxis(points, AXES.index(axis), 0)[index] - surface).max())
         if away > block.gap:
@@ -379,53 +375,3 @@ def _points(block: BlockFaces, blending: str, slopes, surfaces, threads: int | N
                 parameter="surfaces",
             )
     return points
-
-
-def _directions(block: BlockFaces, blending: str, surfaces) -> list[Direction]:
-    shape = [len(block.edge(axis, 0, 0)) for axis in range(3)]
-    known = [{0: block.faces[end(a, 0)], shape[a] - 1: block.faces[end(a, 1)]} for a in range(3)]
-    for key, surface in surfaces.items():
-        axis, index = key if isinstance(key, tuple) and len(key) == 2 else (key, None)
-        if axis not in tuple(AXES) or not isinstance(index, (int, np.integer)):
-            raise InvalidInput(f"{key!r} is no axis and index, such as ('i', 5)", parameter="surfaces")
-        a = AXES.index(axis)
-        if not 0 < index < shape[a] - 1:
-            raise InvalidInput(f"{axis} = {index} is not between 0 and {shape[a] - 1}", parameter="surfaces")
-        known[a][int(index)] = _array(surface, known[a][0].shape, "surfaces")
-    directions = []
-    for axis in range(3):
-        lengths = [fractions_of(block.edge(axis, a, b)) for a, b in product((0, 1), repeat=2)]
-        even = np.arange(shape[axis]) / (shape[axis] - 1)
-        parameters = even if blending == "linear" else np.mean(lengths, axis=0)
-        directions.append(Direction(parameters, known[axis], smooth=blending == "cubic"))
-    return directions
-
-
-def _array(values, shape: tuple[int, ...], parameter: str) -> np.ndarray:
-    try:
-        array = np.asarray(values, float)
-    except (TypeError, ValueError):
-        raise InvalidInput("needs arrays of numbers", parameter=parameter) from None
-    if array.shape != shape or not np.isfinite(array).all():
-        raise InvalidInput(f"needs finite arrays of shape {shape}, got {array.shape}", parameter=parameter)
-    return array
-
-
-def _given(slopes: Mapping[str, np.ndarray], axis: int, direction: Direction) -> dict[int, np.ndarray]:
-    last = len(direction.parameters) - 1
-    faces = ((0, end(axis, 0)), (last, end(axis, 1)))
-    return {k: _array(slopes[name], direction.known[k].shape, "slopes") for k, name in faces if name in slopes}
-
-
-def _normal(direction: Direction, axis: int, points: np.ndarray) -> dict[int, np.ndarray]:
-    """The steps of linear blending across the faces at both ends, turned to right angles with them."""
-    layers = np.moveaxis(points, axis, 0)
-    found = {}
-    for k, step in ((0, layers[1] - layers[0]), (len(layers) - 1, layers[-1] - layers[-2])):
-        face = direction.known[k]
-        normal = np.cross(np.gradient(face, axis=0), np.gradient(face, axis=1))
-        size = np.linalg.norm(normal, axis=-1)
-        normal /= np.where(size > 0, size, 1.0)[..., None]
-        length = np.linalg.norm(step, axis=-1)
-        found[k] = (np.sign((step * normal).sum(axis=-1)) * length)[..., None] * normal
-    return found

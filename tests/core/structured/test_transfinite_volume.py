@@ -462,3 +462,31 @@ def test_slopes_and_surfaces_are_not_cured_away():
         crossed = grid[:, :, 4].copy()
         crossed[3:-3, 3:-3, 2] = -0.5
         mc.transfinite_volume(gallery.dented_box(), surfaces={("k", 4): crossed}, cure="automatic")
+
+
+def test_a_spacing_of_an_axis_is_that_of_its_edges_from_the_face_called_min():
+    box = np.stack(lattice(np.linspace(0, 1, 5), np.linspace(0, 1, 4), np.linspace(0, 1, 4)), axis=-1)
+    wanted = geometric(6, ratio=1.5)
+    spacings = {"i": mc.Spacing("geometric", ratio=1.5)}
+    grid, _ = mc.transfinite_volume(**faces_of(box), cells_i=6, spacings=spacings)
+    assert np.allclose(grid.points[:, 1, 1, 0], wanted) and np.allclose(grid.points[0, :, 0, 1], box[0, :, 0, 1])
+    swapped = faces_of(box) | {"imin": box[-1], "imax": box[0]}
+    other, report = mc.transfinite_volume(**swapped, cells_i=6, spacings=spacings)
+    assert other.names["imin"] == "imax" and report.warnings
+    assert np.allclose(other.points[:, 1, 1, 0], 1 - wanted[::-1])
+    by_edges, _ = mc.transfinite_volume(edges_of(box), cells_i=6, spacings=spacings)
+    assert np.allclose(by_edges.points, grid.points)
+
+
+@pytest.mark.parametrize(
+    ("spacings", "said"),
+    [
+        ({"imin": mc.Spacing()}, "spacings: needs a Spacing for"),
+        ({"k": 0.1}, "spacings: needs a Spacing for"),
+        ([mc.Spacing()], "spacings: needs a dict"),
+        ({"k": mc.Spacing("geometric", first=3.0)}, "spacings: .* change it or the number of cells"),
+    ],
+)
+def test_spacings_that_cannot_be_are_refused(spacings, said):
+    with pytest.raises(InvalidInput, match=said):
+        mc.transfinite_volume(**twisted(), spacings=spacings)
