@@ -8,7 +8,7 @@ import numpy as np
 from scipy.fft import dstn, idstn
 
 from ..geometry.surfaces import SplineSurface
-from .surface_levels import corner_areas
+from .surface_levels import corner_jacobians
 
 if TYPE_CHECKING:
     from .face_measures import FaceMeasures
@@ -55,7 +55,7 @@ class FaceSlide:
 
     @staticmethod
     def _areas(at: np.ndarray) -> np.ndarray:
-        return corner_areas(np.moveaxis(at, 0, -1))
+        return corner_jacobians(np.moveaxis(at, 0, -1))
 
     def _held_back(self, change: np.ndarray) -> np.ndarray:
         """The change, less of it or none for points of cells that would become too small."""

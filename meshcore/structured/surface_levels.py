@@ -135,7 +135,7 @@ class Patch(OnSurface):
 
     def folded(self) -> int:
         """Cells with a corner whose angle in the parameters is zero or has the wrong sign."""
-        return int((self._sign * corner_areas(np.moveaxis(self.x, 0, -1)) <= 0).any(axis=0).sum())
+        return int((self._sign * corner_jacobians(np.moveaxis(self.x, 0, -1)) <= 0).any(axis=0).sum())
 
 
 class Draped(OnSurface):
@@ -258,12 +258,12 @@ def folded_against(points: np.ndarray, normals: np.ndarray) -> np.ndarray:
     return beside_poles(corners, points).any(axis=0)
 
 
-def corner_areas(plane: np.ndarray) -> np.ndarray:
-    """(4, ni - 1, nj - 1) twice the signed areas of the triangles at the corners of the cells of a planar grid.
+def corner_jacobians(plane: np.ndarray) -> np.ndarray:
+    """(4, ni - 1, nj - 1) Jacobians at the corners of the cells of a planar grid.
 
     Examples
     --------
-    >>> corner_areas(np.array([[[0, 0], [0, 2]], [[1, 0], [1, 2.0]]])).ravel()
+    >>> corner_jacobians(np.array([[[0, 0], [0, 2]], [[1, 0], [1, 2.0]]])).ravel()
     array([2., 2., 2., 2.])
     """
     quad = [plane[:-1, :-1], plane[1:, :-1], plane[1:, 1:], plane[:-1, 1:]]
@@ -314,7 +314,7 @@ def set_growth(levels: list[OnSurface], growth: np.ndarray) -> None:
 def _side(surface: Surface | FacetedSurface, x: np.ndarray) -> float:
     """1 if the grid as a whole is seen from the side of the surface's normals or parameters, else -1."""
     if not isinstance(surface, FacetedSurface):
-        return 1.0 if corner_areas(np.moveaxis(x, 0, -1)).sum() >= 0 else -1.0
+        return 1.0 if corner_jacobians(np.moveaxis(x, 0, -1)).sum() >= 0 else -1.0
     normals = surface.closest(x.reshape(3, -1).T).normals.reshape(*x.shape[1:], 3)
     p = np.moveaxis(x, 0, -1)
     area = np.cross(p[1:, 1:] - p[:-1, :-1], p[:-1, 1:] - p[1:, :-1])

@@ -8,7 +8,7 @@ from meshcore import InvalidInput, StructuredGrid
 from meshcore.structured.blending import blended
 from meshcore.structured.periodic_faces import pairs_of
 from meshcore.structured.sliding_faces import FaceSlide, _spread
-from meshcore.structured.surface_levels import corner_areas
+from meshcore.structured.surface_levels import corner_jacobians
 from meshcore.structured.winslow_3d import count_folded
 from tests.core.structured.test_periodic_faces import row_passage
 from tests.core.structured.test_wall_control_3d import bent, box, cap, naive_angles, passage
@@ -70,7 +70,7 @@ def test_cells_of_a_face_keep_some_area():
     change = np.zeros((2, 11, 11))
     change[0, 5, 5] = 0.3  # over the next points
     slide._at += slide._held_back(change)
-    assert (corner_areas(np.moveaxis(slide._at, 0, -1)) > 0.2 * 0.01).all()
+    assert (corner_jacobians(np.moveaxis(slide._at, 0, -1)) > 0.2 * 0.01).all()
     assert 0 < slide._at[0, 5, 5] - 0.5 < 0.1
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from meshcore.geometry.surfaces import ParametricSurface, SplineSurface
 from meshcore.structured import _winslow_surface_kernels as kernels
-from meshcore.structured.surface_levels import corner_areas
+from meshcore.structured.surface_levels import corner_jacobians
 from meshcore.structured.winslow_3d import solved as solved_in_space
 from meshcore.structured.winslow_surface import solved
 from tests import naive
@@ -54,7 +54,7 @@ def test_the_converged_grid_obeys_the_slow_twin():
         assert outcome.converged
         points, tangents = surface.points(*np.moveaxis(x, -1, 0)), surface.tangents(*np.moveaxis(x, -1, 0))
         assert abs(naive.tangential_defects(points, tangents)).max() < 1e-13
-        assert (np.abs(corner_areas(x)) > 0).all()
+        assert (np.abs(corner_jacobians(x)) > 0).all()
 
 
 def test_mercator_is_the_elliptic_grid_of_the_sphere():
