@@ -263,6 +263,8 @@ def _complaint(path: Path, format: Format, head: bytes, error: BaseException, sa
         what = f"it is damaged ({what.rstrip('.')})"
     found = recognised(head)
     own = {"STL", "PLY", "OFF", "a Gmsh mesh", "a Medit mesh", "an SU2 mesh", "a legacy VTK file"}
+    if found == "an HDF5 file" and format.name == "CGNS":
+        found = ""
     if found and not (found in own and format.name.split()[0] in found) and not found.startswith("a VTK XML"):
         return f"{path.name} is {found}, not {format.name}"
     return f"{path.name} cannot be read as {format.name}: {what}; check that it is complete and what its name says"

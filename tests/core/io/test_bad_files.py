@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 
 import meshcore as mc
+from meshcore import gallery
 from tests.core.io.round_trip import curve, grid, surface, volume, with_data, with_sets
+from tests.cut_grids import turned_volumes
 
 DATA = Path(mc.__file__).parent / "data"
 
@@ -43,6 +45,7 @@ SAMPLES = {
     "mesh.su2": lambda path: mc.io.write(path, surface()),
     "text.xyz": lambda path: mc.io.write(path, grid(), binary=False),
     "records.p3d": lambda path: mc.io.write(path, mc.MultiBlock((grid(), grid(layers=1)))),
+    "blocks.cgns": lambda path: mc.io.write(path, turned_volumes((1, 2, 0), (True, False, True))),
     "stream.g": lambda path: mc.io.write(path, grid(), record_markers=False),
 }
 
@@ -298,4 +301,4 @@ def test_working_folder_is_left_alone(tmp_path: Path) -> None:
 
 def test_a_name_without_extension_gets_a_whole_sentence():
     with pytest.raises(mc.InvalidInput, match=r"mesh: has no extension; known are .*\.stl"):
-        mc.io.write("mesh", mc.gallery.square())
+        mc.io.write("mesh", gallery.square())

@@ -139,7 +139,7 @@ def test_upper_case_and_table(tmp_path: Path) -> None:
     assert all(row.reads and row.description and row.extensions.startswith(".") for row in rows)
     listed = " ".join(row.extensions for row in rows).split()
     assert len(listed) == len(set(listed))
-    wanted = ".dat .poly .node .ele .obj .ply .stl .off .vtu .vtp .vts .vtm .vtk .msh .mesh .su2 .xyz .p3d"
+    wanted = ".dat .poly .node .ele .obj .ply .stl .off .vtu .vtp .vts .vtm .vtk .msh .mesh .su2 .xyz .p3d .cgns"
     assert set(wanted.split()) <= set(listed)
 
 

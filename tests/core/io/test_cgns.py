@@ -1,0 +1,251 @@
+"""CGNS: blocks with names, cuts and data come back, and VTK's reader, which is CGNS's own library, sees the same."""
+
+from __future__ import annotations
+
+import itertools
+import sys
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+import meshcore as mc
+from meshcore import Cut
+from meshcore.io.cgns_nodes import NAME_LENGTH, unique
+from tests.core.io.round_trip import grid, round_trip, same
+from tests.cut_grids import c_shape, h_shape, quarter_turned, ring, turned_volumes
+
+NAMED = {"jmin": "wall", "jmax": "far field", "imin": "Öffnung #1"}
+TURNS = list(itertools.product(itertools.permutations(range(3)), itertools.product([False, True], repeat=3)))
+
+
+def same_joins(found: mc.StructuredGrid | mc.MultiBlock, expected: mc.StructuredGrid | mc.MultiBlock) -> None:
+    same(found, expected)
+    assert found.cuts == expected.cuts
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        replace(ring(12, 3), names={"jmin": "wall", "jmax": "far field"}),
+        replace(c_shape(4, 10, 3), names=NAMED),
+        h_shape(3),
+        *map(quarter_turned, range(4)),
+        grid(),
+        grid(layers=1),
+        mc.MultiBlock((grid(), grid(layers=5)), ("a", "b")),
+    ],
+)
+def test_names_and_cuts_come_back(made, tmp_path):
+    same_joins(round_trip(tmp_path, ".cgns", made), made)
+
+
+@pytest.mark.parametrize(("order", "back"), TURNS)
+def test_volumes_turned_in_any_way(order, back, tmp_path):
+    made = turned_volumes(order, back)
+    same_joins(round_trip(tmp_path, ".cgns", made), made)
+
+
+@pytest.mark.parametrize("layers", [1, 3])
+def test_data_come_back(layers, tmp_path):
+    plain = grid(layers=layers)
+    count = np.arange(plain.n_cells).reshape(plain.cell_shape)
+    point_data = {"velocity": np.sin(plain.points), "p": np.cos(plain.points[..., 0]), "x": plain.points[..., 1]}
+    cell_data = {"rank": count, "small": count.astype(np.float32), "normal": np.stack([count] * 3, axis=-1) / 7}
+    made = mc.StructuredGrid(plain.points, point_data, cell_data)
+    found = round_trip(tmp_path, ".cgns", made)
+    same(found, made)
+    assert found.cell_data["small"].dtype == np.float32
+
+
+def sector(turn: np.ndarray, shift: np.ndarray) -> mc.StructuredGrid:
+    """A bent block whose jmax is its jmin, turned and moved."""
+    s, t, u = np.meshgrid(np.linspace(1, 2, 4), np.linspace(0, 1, 5), np.linspace(0, 1, 3), indexing="ij")
+    start = np.stack([s, 0.1 * np.sin(3 * s) * u, u + 0.2 * s], axis=-1)[:, 0]
+    end = start @ turn.T + shift
+    points = (1 - t[..., None]) * start[:, None] + t[..., None] * end[:, None]
+    points[:, -1] = end
+    rotation = None if np.array_equal(turn, np.eye(3)) else tuple(map(tuple, turn.tolist()))
+    ranges = ((0, 0, 0), (3, 0, 2)), ((0, 4, 0), (3, 4, 2))
+    return mc.StructuredGrid(points, cuts=(Cut(*ranges, rotation=rotation, translation=tuple(shift), name="pitch"),))
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_turned_and_moved_sides_come_back_to_round_off(seed, tmp_path):
+    """Though the file keeps turn and shift in single precision."""
+    chance = np.random.default_rng(seed)
+    q, _ = np.linalg.qr(chance.normal(size=(3, 3)))
+    turn = q * np.sign(np.linalg.det(q)) if seed else np.eye(3)
+    made = sector(turn, chance.normal(size=3))
+    found = round_trip(tmp_path, ".cgns", made).cuts[0]
+    given = made.cuts[0]
+    assert (found.points, found.partner, found.transform, found.name) == (
+        given.points,
+        given.partner,
+        given.transform,
+        "pitch",
+    )
+    np.testing.assert_allclose(found.moved(made.points), given.moved(made.points), atol=1e-13)
+
+
+def test_mirrored_sides_are_left_out_and_told(tmp_path):
+    made = sector(np.diag([1.0, -1.0, 1.0]), np.array([0, -1.0, 0]))
+    with pytest.warns(mc.io.FormatWarning, match="mirror"):
+        mc.io.write(tmp_path / "m.cgns", made)
+    assert mc.io.read(tmp_path / "m.cgns").cuts == ()
+
+
+def vtk_blocks(path: Path) -> list[tuple[str, int, int]]:
+    """Names, points and cells of all that VTK reads, boundaries too."""
+    from vtkmodules.vtkIOCGNSReader import vtkCGNSReader
+
+    reader = vtkCGNSReader()
+    reader.SetFileName(str(path))
+    reader.UpdateInformation()
+    reader.EnableAllBases()
+    reader.EnableAllFamilies()
+    reader.LoadBndPatchOn()
+    reader.Update()
+    found = []
+    output = reader.GetOutput()
+    at = output.NewIterator()
+    at.InitTraversal()
+    while not at.IsDoneWithTraversal():
+        block = at.GetCurrentDataObject()
+        name = at.GetCurrentMetaData().Get(output.NAME())
+        found.append((name, block.GetNumberOfPoints(), block.GetNumberOfCells()))
+        at.GoToNextItem()
+    return found
+
+
+def test_vtk_reads_blocks_and_boundaries(tmp_path):
+    made = replace(c_shape(4, 10, 3), names={"jmin": "wall", "jmax": "far field", "imin": "out", "imax": "out"})
+    mc.io.write(tmp_path / "c.cgns", made)
+    expected = [("Internal", 76, 54), ("out", 4, 3), ("out 2", 4, 3), ("wall", 11, 10), ("far field", 19, 18)]
+    assert vtk_blocks(tmp_path / "c.cgns") == expected
+    volumes = turned_volumes((2, 0, 1), (False, True, False))
+    mc.io.write(tmp_path / "v.cgns", volumes)
+    inside = [row[1:] for row in vtk_blocks(tmp_path / "v.cgns") if row[0] == "Internal"]
+    assert inside == [(block.n_points, block.n_cells) for block in volumes.blocks]
+
+
+def test_every_node_says_what_it_is(tmp_path):
+    """The mapping onto HDF5: attributes of every group, types of its data, names of 32 characters."""
+    mc.io.write(tmp_path / "h.cgns", turned_volumes((0, 1, 2), (False,) * 3))
+    kinds = {"MT": None, "C1": "i1", "I4": "i4", "R4": "f4", "R8": "f8"}
+    labels: Counter[str] = Counter()
+
+    def visit(name: str, item: h5py.Group | h5py.Dataset) -> None:
+        if isinstance(item, h5py.Group):
+            assert item.attrs["name"].decode() == name.rsplit("/", 1)[-1]
+            assert item.attrs.get_id("label").get_type().get_size() == NAME_LENGTH + 1
+            data = item.get(" data")
+            assert kinds[item.attrs["type"].decode()] == (None if data is None else data.dtype.str[1:])
+            labels[item.attrs["label"].decode()] += 1
+
+    with h5py.File(tmp_path / "h.cgns") as file:
+        assert bytes(file[" format"][()]).rstrip(b"\0") == b"IEEE_LITTLE_32"
+        assert len(file[" hdf5version"]) == NAME_LENGTH + 1
+        file.visititems(visit)
+    assert labels["Zone_t"] == labels["GridConnectivity1to1_t"] == 2
+    assert labels["BC_t"] == 10 and labels["Family_t"] == 4
+
+
+def test_long_and_odd_names_are_shortened_and_told(tmp_path):
+    names = {"imin": "a" * 40, "imax": "a" * 41, "jmin": "up/down"}
+    with pytest.warns(mc.io.FormatWarning, match="32 characters"):
+        mc.io.write(tmp_path / "n.cgns", replace(grid(), names=names))
+    assert mc.io.read(tmp_path / "n.cgns").names == {"imin": "a" * 32, "imax": "a" * 30 + " 2", "jmin": "up_down"}
+    assert len(unique("ö" * 40, set()).encode()) <= NAME_LENGTH
+
+
+def test_surfaces_and_volumes_do_not_go_together(tmp_path):
+    with pytest.raises(mc.InvalidInput, match="surfaces and volumes"):
+        mc.io.write(tmp_path / "n.cgns", mc.MultiBlock((grid(), grid(layers=1))))
+
+
+def test_without_h5py_the_error_says_how_to_get_it(tmp_path, monkeypatch):
+    mc.io.write(tmp_path / "n.cgns", grid())
+    monkeypatch.setitem(sys.modules, "h5py", None)
+    for call in (lambda: mc.io.write(tmp_path / "m.cgns", grid()), lambda: mc.io.read(tmp_path / "n.cgns")):
+        with pytest.raises(mc.MissingLibrary, match="pip install h5py"):
+            call()
+    assert not (tmp_path / "m.cgns").exists()
+
+
+def without(path: str):
+    return lambda file: file.pop(path)
+
+
+def with_data(path: str, values: object):
+    def change(file: h5py.File) -> None:
+        del file[path + "/ data"]
+        file[path + "/ data"] = values
+
+    return change
+
+
+def in_circles(file: h5py.File) -> None:
+    file["Base/circle"] = h5py.SoftLink("/Base")
+
+
+ZONE = "Base/block 0/"
+JOIN = ZONE + "ZoneGridConnectivity/middle/"
+BAD = {
+    "no base": (without("Base"), "no CGNSBase_t"),
+    "no zones": (lambda file: (file.pop("Base/block 0"), file.pop("Base/block 1")), "no zones"),
+    "no type": (without(ZONE + "ZoneType"), "lacks ZoneType"),
+    "unstructured": (with_data(ZONE + "ZoneType", np.frombuffer(b"Unstructured", np.int8)), "is Unstructured"),
+    "no points": (without(ZONE + "GridCoordinates"), "no GridCoordinates_t"),
+    "no y": (without(ZONE + "GridCoordinates/CoordinateY"), "lacks CoordinateY"),
+    "no values": (without(ZONE + "GridCoordinates/CoordinateY/ data"), "needs"),
+    "wrong shape": (with_data(ZONE + "GridCoordinates/CoordinateX", np.zeros((5, 4, 2))), "its zone needs"),
+    "not finite": (with_data(ZONE + "GridCoordinates/CoordinateX", np.full((5, 4, 3), np.nan)), "nan"),
+    "text for points": (with_data(ZONE + "GridCoordinates/CoordinateX", np.array([b"abc"])), "no number"),
+    "size": (with_data("Base/block 0", np.zeros((2, 3), np.int32)), "was expected"),
+    "negative size": (with_data("Base/block 0", np.full((3, 3), -4, np.int32)), "its zone needs"),
+    "beyond": (with_data(JOIN + "PointRange", np.array([[3, 1, 1], [3, 4, 9]])), "beyond a zone"),
+    "no donor": (without(JOIN + "PointRangeDonor"), "lacks PointRangeDonor"),
+    "no such donor": (with_data(JOIN[:-1], np.frombuffer(b"tail", np.int8)), "'tail'"),
+    "transform": (with_data(JOIN + "Transform", np.array([1, 1, 2], np.int32)), "transform"),
+    "circle": (in_circles, "circles"),
+    "broken link": (lambda file: file.__setitem__("Base/away", h5py.ExternalLink("gone.cgns", "/")), "leads nowhere"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_files_that_lie(name, tmp_path):
+    change, words = BAD[name]
+    mc.io.write(tmp_path / "bad.cgns", turned_volumes((0, 1, 2), (False,) * 3))
+    with h5py.File(tmp_path / "bad.cgns", "r+") as file:
+        change(file)
+    with pytest.raises(mc.InvalidInput, match=words) as caught:
+        mc.io.read(tmp_path / "bad.cgns")
+    assert "bad.cgns" in str(caught.value)
+
+
+def test_hdf5_that_is_no_cgns_and_the_old_form(tmp_path):
+    with h5py.File(tmp_path / "other.cgns", "w") as file:
+        file["x"] = np.arange(3)
+    with pytest.raises(mc.InvalidInput, match="not CGNS"):
+        mc.io.read(tmp_path / "other.cgns")
+    (tmp_path / "old.cgns").write_bytes(b"@(#)ADF Database Version A02011>" + bytes(200))
+    with pytest.raises(mc.InvalidInput, match="adf2hdf"):
+        mc.io.read(tmp_path / "old.cgns")
+
+
+def test_what_other_programs_leave_out(tmp_path):
+    """Conditions without families are called by their own names; sizes are of 64 bits."""
+    mc.io.write(tmp_path / "p.cgns", c_shape(4, 10, 3))
+    with h5py.File(tmp_path / "p.cgns", "r+") as file:
+        zone = file["Base/grid"]
+        conditions = zone["ZoneBC"]
+        for name in list(conditions):
+            del conditions[name + "/FamilyName"]
+        with_data("Base/grid", zone[" data"][()].astype(np.int64))(file)
+    found = mc.io.read(tmp_path / "p.cgns")
+    assert found.names == {"imax": "boundary 2", "jmin": "boundary 3", "jmax": "boundary 4"}
+    assert found.cuts == c_shape(4, 10, 3).cuts
