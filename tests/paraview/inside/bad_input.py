@@ -105,13 +105,13 @@ def check_absurd_corners():
 
 def check_section_that_is_not_planar():
     loop = [(0, 0, 0), (1, 0, 0.4), (1, 1, 0), (0, 1, 0.4), (0, 0, 0)]
-    text = complaint(pv.meshcoreOGrid(Input=producer(polylines(loop))))
+    text = complaint(pv.meshcoreOGrid(Section=producer(polylines(loop))))
     assert "plane" in text or "planar" in text, text
 
 
 def check_section_that_crosses_itself():
     bow = [(0, 0, 0), (1, 1, 0), (1, 0, 0), (0, 1, 0), (0, 0, 0)]
-    assert complaint(pv.meshcoreOGrid(Input=producer(polylines(bow))))
+    assert complaint(pv.meshcoreOGrid(Section=producer(polylines(bow))))
 
 
 def delaunay(dataset, **values):
@@ -212,7 +212,7 @@ def check_airfoil_file_that_is_something_else():
 
 
 def check_airfoil_far_field_too_small():
-    text = complaint(pv.meshcoreOGrid(Input=pv.meshcoreAirfoil(FarField=0), Radius=-1))
+    text = complaint(pv.meshcoreOGrid(Section=pv.meshcoreAirfoil(FarField=0), Radius=-1))
     assert "radius: must be at least" in text, text
 
 

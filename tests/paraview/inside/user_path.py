@@ -41,7 +41,7 @@ def check_3_refine_where_the_triangles_are_worst():
 
 def check_4_wrap_an_o_grid_around_it():
     section = meshcoreAirfoil(registrationName="section", Section="rae2822", FarField=0)
-    grid = meshcoreOGrid(registrationName="grid", Input=section, Radius=3, FirstHeight=0.01, Growth=1.3)
+    grid = meshcoreOGrid(registrationName="grid", Section=section, Radius=3, FirstHeight=0.01, Growth=1.3)
     dataset = fetched(grid)
     assert dataset.GetClassName() == "vtkStructuredGrid"
     ni, nj, nk = (high + 1 for high in dataset.GetExtent()[1::2])
