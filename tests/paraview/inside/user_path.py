@@ -107,9 +107,10 @@ def check_7_the_state_brings_everything_back():
 
 
 def panel(name):
-    """All values of a filter's panel, as they print."""
+    """All values of a filter's panel but its inputs, as they print."""
     proxy = FindSource(name)
-    return {key: repr(proxy.GetPropertyValue(key)) for key in proxy.ListProperties() if key != "Input"}
+    inputs = ("Input", "Section", "Outer")
+    return {key: repr(proxy.GetPropertyValue(key)) for key in proxy.ListProperties() if key not in inputs}
 
 
 if __name__ == "__main__":
