@@ -10,7 +10,7 @@ from __future__ import annotations
 import statistics
 import time
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from _common import Target, arguments, in_own_process, print_heading, print_row, taken_alternately
@@ -292,39 +292,58 @@ def walls(folder: str | None, repeats: int) -> None:
     print(f"\nMedian {statistics.median(seconds):.2f} s, most {max(seconds):.2f} s.")
 
 
+class Stars(NamedTuple):
+    """Grids of random stars that each means leaves folded, those not converged, and the worst of the equations."""
+
+    transfinite: int
+    elliptic: int
+    unfolded: int
+    not_converged: int
+    most_cells: int
+    farthest: int
+    least_area: float
+
+
 def stars(number: int, n: int) -> None:
     """What the discrete equations do on random star-shaped boundaries."""
     found = in_own_process(count_stars, number, n)
-    print_row(*found)
+    print_row(number, n, *found[:4], found.most_cells, found.farthest, f"{found.least_area:.2f}")
 
 
-def count_stars(number: int, n: int) -> tuple[Any, ...]:
-    """Stars, cells a side; how many are folded by each means; how many do not converge."""
+def count_stars(number: int, n: int) -> Stars:
+    """Fold so many stars of n cells a side."""
     rng = np.random.default_rng(1987)
-    spilt = folded = left = strained = 0
-    angles = np.linspace(0, 2 * np.pi, 4 * n + 1)[:-1]
+    spilt = folded = left = strained = most = farthest = 0
+    least = 1.0
     for _ in range(number):
-        angle = angles + rng.uniform(0, 2 * np.pi)
-        bumps = sum(
-            0.5 / k * (rng.normal() * np.cos(k * angle) + rng.normal() * np.sin(k * angle)) for k in range(1, 9)
-        )
-        radius = np.exp(np.clip(bumps, -1.5, 1.5))
-        loop = np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
-        loop = np.vstack([loop, loop[:1]])
-        sides = loop[: n + 1], loop[n : 2 * n + 1], loop[2 * n : 3 * n + 1][::-1], loop[3 * n :][::-1]
-        start = _between(*sides, "linear")
+        start = _between(*star(rng, n), "linear")
         solution = winslow(start, threads=1)
-        spilt += has_folds(start)
-        folded += has_folds(solution.points)
-        left += has_folds(unfolded(solution.points, 1.0))
+        areas = cell_areas(solution.points)
+        bad = np.argwhere(areas <= 0)
+        spilt += bool((cell_areas(start) <= 0).any())
+        folded += len(bad) > 0
+        left += bool((cell_areas(unfolded(solution.points, 1.0)) <= 0).any())
         strained += not solution.converged
-    return number, n, spilt, folded, left, strained
+        most = max(most, len(bad))
+        farthest = max(farthest, int(np.minimum(bad, n - 1 - bad).min(axis=1).max(initial=-1)) + 1)
+        least = min(least, float(areas.min() / areas.mean()))
+    return Stars(spilt, folded, left, strained, most, farthest, least)
 
 
-def has_folds(grid: np.ndarray) -> bool:
-    """Whether a cell has no area."""
+def star(rng: np.random.Generator, n: int) -> tuple[np.ndarray, ...]:
+    """South, east, north and west of a star-shaped boundary of eight random waves."""
+    angle = np.linspace(0, 2 * np.pi, 4 * n + 1)[:-1] + rng.uniform(0, 2 * np.pi)
+    bumps = sum(0.5 / k * (rng.normal() * np.cos(k * angle) + rng.normal() * np.sin(k * angle)) for k in range(1, 9))
+    radius = np.exp(np.clip(bumps, -1.5, 1.5))
+    loop = np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
+    loop = np.vstack([loop, loop[:1]])
+    return loop[: n + 1], loop[n : 2 * n + 1], loop[2 * n : 3 * n + 1][::-1], loop[3 * n :][::-1]
+
+
+def cell_areas(grid: np.ndarray) -> np.ndarray:
+    """(ni - 1, nj - 1) areas of a planar grid's cells."""
     one, other = grid[1:, 1:] - grid[:-1, :-1], grid[:-1, 1:] - grid[1:, :-1]
-    return bool((one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0] <= 0).any())
+    return 0.5 * (one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0])
 
 
 def main() -> None:
@@ -381,9 +400,13 @@ def main() -> None:
     print_row("airfoil", "steps", "angle", "height, %", "folded", "not convex", "seconds", "two threads", head=True)
     walls((options.airfoils or [None])[0] or None, options.repeats)
     print_heading(
-        "Random stars", "Grids with a cell of no area, of transfinite interpolation and of the Laplace equations."
+        "Random stars",
+        "Grids with a cell of no area, of transfinite interpolation and of the Laplace equations. The worst: most such "
+        "cells of one elliptic grid, how many cells from the boundary they reach, and the least area, in mean areas. "
+        "They stand beside points where the boundary turns inwards by 50 to 90 degrees from one cell to the next.",
     )
-    print_row("stars", "cells a side", "transfinite", "elliptic", "with the barrier", "not converged", head=True)
+    worst = ("most cells", "within", "least area")
+    print_row("stars", "cells a side", "transfinite", "elliptic", "barrier", "not converged", *worst, head=True)
     for n in (16, 32):
         stars(200 if options.quick else 10_000, n)
 
