@@ -131,6 +131,17 @@ class Section:
         length = 0.5 * (at[last + 1] + at[last] - at[first] - at[max(first - 1, 0)])
         return min(length / max(turned, 1e-3), 0.5 * self.chord)
 
+    @cached_property
+    def focus(self) -> np.ndarray:
+        """(2,) float: a point inside the nose at half its radius; behind a corner, on its bisector."""
+        inwards, nose = self.direction, self.nose_index
+        if corners(turning(self.loop))[nose]:
+            arms = self.loop[[nose - 1, (nose + 1) % len(self.loop)]] - self.nose
+            both = (arms / np.linalg.norm(arms, axis=1)[:, None]).sum(axis=0)
+            size = float(np.linalg.norm(both))
+            inwards = both / size if size > 1e-6 else inwards
+        return self.nose + 0.5 * self.nose_radius * inwards
+
 
 def doubled_area(loop: np.ndarray) -> float:
     """Twice the area of a closed loop, positive counter-clockwise.

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import numpy as np
 
-from ..geometry.curves import Curve, arc_length
+from ..geometry.curves import Curve
 from ..geometry.section import Section
 from ..mesh import Cut, StructuredGrid
 from ..operation import Param, Port, Relative, absolute, operation
@@ -19,15 +19,15 @@ from .limits import check_size
 from .lines_out import geometric_lines
 from .section_front import BASE_CELLS, clockwise_front, respaced_section, wake_line
 from .section_input import GivenSection, section_loop
-from .section_march import marched_lines
+from .section_march import lines_by
 from .section_result import finished, scaled_jacobians
 from .unwrapped import Unwrapped, paths, unwrapped
 
 _CURE = "make the section smoother or thinner, give more points around it, or take o_grid"
 _BENDS = (0.3, 0.1, 0.03)
 _EVENNESS = (0.7, 0.4, 1.0)
-_BASE_HEIGHT, _BASE_RISE = 0.7, 0.2
-"""First heights of marches at a blunt base, of its cells, and how fast they may rise away from it."""
+_PAST_BASE = 3.0
+"""Heights over the section, in halves of a blunt base, from which on marches do not see its corners."""
 _NAMES = {"imin": "outflow", "imax": "outflow", "jmin": "wall", "jmax": "far field"}
 
 
@@ -147,11 +147,9 @@ def c_grid(
     advance(progress, 0.1, "choosing lines")
     points, ratio = _best(front, curve, np.full(len(front.points), height), layers, growth, part_of(progress, 0.1, 0.5))
     warnings = list(given.warnings)
-    if method in ("hyperbolic", "parabolic"):
-        low, step = _low_at_base(front, height), part_of(progress, 0.5, 0.6)
-        marched, told = marched_lines(points, method, closed=False, progress=step, first=low)
-        warnings += told
-        points, method = (points, "elliptic") if marched is None else (marched, method)
+    step, past = part_of(progress, 0.5, 0.6), _past_base(front, points)
+    method, points, told = lines_by(method, points, closed=False, progress=step, kept=past)
+    warnings += told
     n = len(points) - 1
     points[n - front.wake :, 0] = points[front.wake :: -1, 0]  # the cut, to the last bit
     cut = Cut(((0, 0, 0), (front.wake, 0, 0)), ((n, 0, 0), (n - front.wake, 0, 0)), (-1, -2, 3), name="wake")
@@ -179,20 +177,18 @@ def _front(section: Section, length: float, cells: int | None, growth: float) ->
     line = wake_line(section, length, cells, float(ends.mean()), growth)
     wake = len(line) - 1
     points = np.vstack([line[:0:-1], around, line[1:]])
-    focus = section.nose + 0.5 * section.nose_radius * section.direction
-    opened = unwrapped(points, wake, focus, section.tail - section.nose, base)
+    opened = unwrapped(points, wake, section.focus, section.tail - section.nose, base)
     return _Front(points, wake, line[-1], opened)
 
 
-def _low_at_base(front: _Front, height: float) -> np.ndarray | None:
-    """(n,) float: first heights that a blunt base lets a march have: of its cells there, growing away from it."""
+def _past_base(front: _Front, points: np.ndarray) -> int:
+    """Layers of the transfinite grid that a march keeps: beside a blunt base, whose corners it could not round."""
     if not front.opened.shift.any():
-        return None
+        return 0
     n, wake = len(front.points), front.wake
-    length = arc_length(front.points)
-    around = length[[wake, wake + BASE_CELLS, n - 1 - wake - BASE_CELLS, n - 1 - wake]]
-    away = np.min(np.abs(length[:, None] - around), axis=1)
-    return np.minimum(height, (around[1] - around[0]) / BASE_CELLS * _BASE_HEIGHT + _BASE_RISE * away)
+    base = float(np.linalg.norm(front.points[wake] - front.points[wake + BASE_CELLS]))
+    height = np.linalg.norm(points[n // 2] - points[n // 2, 0], axis=1)
+    return int(np.clip(np.searchsorted(height, _PAST_BASE * base), 1, len(height) - 2))
 
 
 def _outer_curve(given: GivenSection, section: Section, outer, shape: str, reach: float, end: np.ndarray) -> OuterCurve:

@@ -21,7 +21,7 @@ from .limits import check_size
 from .rays import Section, at_height, paths, ray_directions, to_far_field
 from .section_front import edge_sizes
 from .section_input import section_loop
-from .section_march import marched_lines
+from .section_march import lines_by
 from .section_result import finished, scaled_jacobians
 
 _CURE = "make the section smoother or less re-entrant, move the far field, or give more points around it"
@@ -148,10 +148,8 @@ def o_grid(
         far = PolarCurve(centre, closed)
     points, ratio = _wrapped(loop, far, chord, height, growth, layers, part_of(progress, 0.0, 0.6))
     points = points[::-1]  # clockwise, so that i, j are right-handed
-    if method in ("hyperbolic", "parabolic"):
-        marched, told = marched_lines(points, method, closed=True, progress=part_of(progress, 0.6, 0.8))
-        warnings += told
-        points, method = (points, "elliptic") if marched is None else (marched, method)
+    method, points, told = lines_by(method, points, closed=True, progress=part_of(progress, 0.6, 0.8))
+    warnings += told
     names = {"jmin": "wall", "jmax": "far field"}
     grid = StructuredGrid(given.to_space(points), names=names, periodic=(True, False, False))
     counts = {"around": grid.cell_shape[0], "layers": grid.cell_shape[1]}

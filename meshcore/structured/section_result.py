@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..errors import InvalidGeometry
+from ..errors import GenerationFailed, InvalidGeometry
 from ..mesh import StructuredGrid
 from ..progress import Progress, advance
 from ..quality import summary, validate
@@ -24,14 +24,14 @@ def finished(
     warnings: list[str],
     progress: Progress,
 ) -> Result:
-    """The grid, smoothed if the method says so or lines crossed, and its report.
+    """The grid, smoothed if the method says so, and its report.
 
     Parameters
     ----------
     grid : StructuredGrid
         The transfinite grid, whose first heights are those wanted.
-    method : {"transfinite", "elliptic"}
-        Whether it is to be smoothed.
+    method : str
+        It is smoothed if this is "elliptic".
     kept : (ni,) float, optional
         How far, from 0 to 1, smoothing keeps the angles of the lines at j = 0, instead of making them right.
     cure : str
@@ -49,26 +49,38 @@ def finished(
         If cells are folded; `cells` and `partial` show where.
     """
     history: dict = {}
-    folded = folded_cells(grid.points[:, :, 0])
-    if folded.any() and method == "transfinite":
-        crossed = f"lines crossed in {int(folded.sum())} cells; the grid was smoothed by elliptic equations"
-        warnings = [*warnings, crossed]
-    if method == "elliptic" or folded.any():
-        walls = [_wall(grid, kept)] if method == "elliptic" else []
-        try:
-            grid, report = solved(grid, Asked(control="boundary spacing", walls=walls), progress)
-        except InvalidGeometry:  # its boundary crosses itself, of which only the section is the user's
-            refuse_folds(grid, cure)
-            raise
-        told = {**told, **{name: value for name, value in report.quality.items() if name.startswith("error")}}
-        warnings = warnings + report.warnings
-        history = {"iterations": report.iterations, "residual": report.residual, "converged": report.converged}
-        history["history"] = report.history
+    if method == "elliptic":
+        grid, report, more = _smoothed(grid, _wall(grid, kept), cure, progress)
+        warnings = warnings + more
+        if report is not None:
+            told = {**told, **{name: value for name, value in report.quality.items() if name.startswith("error")}}
+            history = {"iterations": report.iterations, "residual": report.residual, "converged": report.converged}
+            history["history"] = report.history
     advance(progress, 0.95, "checking the grid")
     refuse_folds(grid, cure)
     validate(grid)
     counts = {"points": grid.n_points, "quads": grid.n_cells, **counts}
     return Result(grid, Report(counts=counts, quality={**summary(grid), **told}, warnings=warnings, **history))
+
+
+def _smoothed(
+    grid: StructuredGrid, wall: Wall, cure: str, progress: Progress
+) -> tuple[StructuredGrid, Report | None, list[str]]:
+    """The grid by the elliptic equations, its wall held, or else free, or as it was; and what had to be done."""
+    sound = not folded_cells(grid.points[:, :, 0]).any()
+    for walls in ([wall], []) if sound else ([],):
+        try:
+            found, report = solved(grid, Asked(control="boundary spacing", walls=walls), progress)
+        except (GenerationFailed, InvalidGeometry):
+            continue
+        loose = (
+            []
+            if walls or not sound
+            else ["angles and heights at the wall could not be held without folding cells; left free"]
+        )
+        return found, report, [*loose, *report.warnings]
+    refuse_folds(grid, cure)  # or if its boundary crosses itself, of which only the section is the user's
+    return grid, None, ["the elliptic equations folded cells; the grid stays as it was"]
 
 
 def _wall(grid: StructuredGrid, kept: np.ndarray | None) -> Wall:

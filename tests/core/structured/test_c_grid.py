@@ -117,10 +117,10 @@ def test_heights_in_wall_units():
 
 
 @pytest.mark.parametrize("section", [gallery.circle(40), gallery.l_shape(6)])
-def test_where_lines_cross_the_grid_is_smoothed_and_says_so(section):
+def test_where_lines_cross_the_grid_is_marched_and_says_so(section):
     grid, report = mc.c_grid(section, around=60, first_height=0.005)
     assert_sound(grid)
-    assert "smoothed by elliptic equations" in report.warnings[0]
+    assert "parabolic march took their place" in report.warnings[0]
 
 
 @pytest.mark.parametrize(
@@ -150,9 +150,16 @@ def test_a_far_field_inside_the_section_is_refused():
         mc.c_grid(gallery.airfoil("rae2822"), np.array([[0.5, -0.01], [0.3, -0.01], [0.3, 0.01], [0.5, 0.01]]))
 
 
+def horseshoe() -> np.ndarray:
+    """A ring with a gap, whose inside no C-grid reaches."""
+    angle = np.linspace(0.4, 2 * np.pi - 0.4, 40)
+    outside = np.column_stack([np.cos(angle), np.sin(angle)])
+    return np.vstack([outside, 0.6 * outside[::-1], outside[:1]])
+
+
 def test_a_failure_shows_where():
     with pytest.raises(GenerationFailed, match="cells are folded") as caught:
-        mc.c_grid(gallery.circle(3), around=60, first_height=0.005)
+        mc.c_grid(horseshoe(), first_height=0.005)
     partial = caught.value.partial
     bad = (naive.cross_areas(partial.points[:, :, 0]) <= 0).any(axis=-1)
     assert bad.any() and set(caught.value.cells) >= set(np.flatnonzero(bad.ravel(order="F")))

@@ -245,7 +245,7 @@ def test_bad_input_gets_a_clear_error(section, keywords, error, words):
         mc.o_grid(section, **keywords)
 
 
-def test_a_bay_that_no_straight_ray_leaves_is_smoothed_and_says_so():
+def test_a_bay_that_no_straight_ray_leaves_is_marched_and_says_so():
     grid, report = mc.o_grid(bay())
     assert_sound(grid)
     assert "lines crossed in" in report.warnings[0]
