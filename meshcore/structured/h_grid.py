@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import InvalidGeometry
-from ..geometry.curves import Curve, is_closed, polyline, turning
+from ..geometry.curves import Curve, arc_length, is_closed, polyline, turning
 from ..geometry.plane import Plane, fitted_plane
 from ..geometry.section import Section
 from ..mesh import Cut, MultiBlock, StructuredGrid
@@ -17,12 +17,13 @@ from ..quality import summary, validate
 from ..report import Report, Result
 from ..sizing import cells_for_growth, geometric
 from . import section_parameters as parameters
-from .folds import refuse_folds
+from .folds import FLAT, refuse_folds
 from .limits import check_extent, check_size
 from .lines_out import geometric_lines
 from .section_front import respaced_section
 from .section_input import section_loop
-from .section_result import scaled_jacobians
+from .section_march import lines_by
+from .section_result import scaled_jacobians, smoothed
 from .unwrapped import free_reach, leaving, normals, shifts_beyond
 
 _CURE = "make the section smoother or thinner, give more points around it, or take c_grid or o_grid"
@@ -130,12 +131,18 @@ def h_grid(
         lower = number == 0
         up = np.array([1, -1]) if lower else np.array([1, 1])
         points, ratio = _half(chain, ahead_line * up, wake_line * up, reach, height, layers, growth)
+        method, points, told = _uncrossed(points, len(ahead_line) - 1, len(wake_line) - 1)
         ratios.append(ratio)
         local = points[:, ::-1] * up if lower else points
         spatial = plane.to_space((local @ frame).reshape(-1, 2)).reshape(*local.shape[:2], 3)
         far, wall = ("jmin", "jmax") if lower else ("jmax", "jmin")
         names = {"imin": "inflow", "imax": "outflow", far: "far field", wall: "wall"}
-        blocks.append(StructuredGrid(spatial, names=names))
+        block = StructuredGrid(spatial, names=names)
+        if method == "elliptic":
+            block, _, more = smoothed(block, None, _CURE, silent)
+            told += more
+        warnings += [f"{'below' if lower else 'above'} the section: {text}" for text in told]
+        blocks.append(block)
         refuse_folds(blocks[-1], _CURE)
         validate(blocks[-1])
     grid = _joined(blocks, len(ahead_line) - 1, len(wake_line) - 1)
@@ -317,6 +324,21 @@ def _half(
     points = lines(t, bend, shifts)
     points[:, 0] = front
     return points, ratio
+
+
+def _uncrossed(points: np.ndarray, ahead: int, wake: int) -> tuple[str, np.ndarray, list[str]]:
+    """Lines of a block that march instead where they crossed, onto a far field along which they keep their order.
+
+    What `lines_by` returns. ``ahead`` and ``wake`` are the cells before and behind the section.
+    """
+    if (scaled_jacobians(points) > FLAT).all():
+        return "transfinite", points, []
+    points, last = points.copy(), len(points) - 1 - wake
+    length = arc_length(points[ahead : last + 1, 0])
+    start, stop = points[[ahead, last], 0, 0]
+    points[:, -1, 0] = points[:, 0, 0]
+    points[ahead : last + 1, -1, 0] = start + (stop - start) * length / length[-1]
+    return lines_by("transfinite", points, closed=False, progress=silent)
 
 
 def _joined(blocks: list[StructuredGrid], ahead: int, wake: int) -> MultiBlock:

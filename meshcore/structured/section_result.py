@@ -50,7 +50,7 @@ def finished(
     """
     history: dict = {}
     if method == "elliptic":
-        grid, report, more = _smoothed(grid, _wall(grid, kept), cure, progress)
+        grid, report, more = smoothed(grid, _wall(grid, kept), cure, progress)
         warnings = warnings + more
         if report is not None:
             told = {**told, **{name: value for name, value in report.quality.items() if name.startswith("error")}}
@@ -63,22 +63,40 @@ def finished(
     return Result(grid, Report(counts=counts, quality={**summary(grid), **told}, warnings=warnings, **history))
 
 
-def _smoothed(
-    grid: StructuredGrid, wall: Wall, cure: str, progress: Progress
+def smoothed(
+    grid: StructuredGrid, wall: Wall | None, cure: str, progress: Progress
 ) -> tuple[StructuredGrid, Report | None, list[str]]:
-    """The grid by the elliptic equations, its wall held, or else free, or as it was; and what had to be done."""
-    sound = not folded_cells(grid.points[:, :, 0]).any()
+    """A grid by the elliptic equations, its wall held if it can be.
+
+    Parameters
+    ----------
+    grid : StructuredGrid
+        The start.
+    wall : Wall, optional
+        Not held if the start has folded cells, or the result has them.
+    cure : str
+        What to do about folded cells.
+    progress : Progress
+        Called with fraction and message.
+
+    Returns
+    -------
+    StructuredGrid
+        The start if the equations fold it.
+    Report or None
+        None if it is the start.
+    list of str
+        What had to be done.
+    """
+    sound = wall is not None and not folded_cells(grid.points[:, :, 0]).any()
     for walls in ([wall], []) if sound else ([],):
         try:
             found, report = solved(grid, Asked(control="boundary spacing", walls=walls), progress)
         except (GenerationFailed, InvalidGeometry):
             continue
-        loose = (
-            []
-            if walls or not sound
-            else ["angles and heights at the wall could not be held without folding cells; left free"]
-        )
-        return found, report, [*loose, *report.warnings]
+        loose = sound and not walls
+        free = ["angles and heights at the wall could not be held without folding cells; left free"] if loose else []
+        return found, report, [*free, *report.warnings]
     refuse_folds(grid, cure)  # or if its boundary crosses itself, of which only the section is the user's
     return grid, None, ["the elliptic equations folded cells; the grid stays as it was"]
 

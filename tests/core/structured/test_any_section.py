@@ -59,3 +59,15 @@ def test_c_grids_of_triangles_open_behind_the_nose_even_if_the_chord_runs_along_
     grid, report = mc.c_grid(np.array(corners, float), around=around)
     assert not report.warnings
     assert scaled_jacobians(grid.points[:, :, 0, :2]).min() > 0
+
+
+@pytest.mark.parametrize("kind", ["ellipse", "star", "L-shape"])
+def test_h_grids_march_where_straight_lines_cross_and_tell_on_which_side(kind):
+    marched = 0
+    for number in range(3):
+        loop = BODIES[kind](np.random.default_rng(number))
+        blocks, report = mc.h_grid(np.vstack([loop, loop[:1]]))
+        for block in blocks.blocks:
+            assert scaled_jacobians(block.points[:, :, 0, :2]).min() > 0
+        marched += sum("the section: lines crossed" in text for text in report.warnings)
+    assert marched
