@@ -45,6 +45,7 @@ SAMPLES = {
     "mesh.su2": lambda path: mc.io.write(path, surface()),
     "text.xyz": lambda path: mc.io.write(path, grid(), binary=False),
     "records.p3d": lambda path: mc.io.write(path, mc.MultiBlock((grid(), grid(layers=1)))),
+    "mesh.cgns": lambda path: mc.io.write(path, with_data(volume())),
     "blocks.cgns": lambda path: mc.io.write(path, turned_volumes((1, 2, 0), (True, False, True))),
     "stream.g": lambda path: mc.io.write(path, grid(), record_markers=False),
 }

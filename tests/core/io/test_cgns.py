@@ -15,7 +15,7 @@ import pytest
 import meshcore as mc
 from meshcore import Cut
 from meshcore.io.cgns_nodes import NAME_LENGTH, unique
-from tests.core.io.round_trip import grid, round_trip, same
+from tests.core.io.round_trip import curve, grid, round_trip, same, surface, volume, with_data
 from tests.cut_grids import c_shape, h_shape, quarter_turned, ring, turned_volumes
 
 NAMED = {"jmin": "wall", "jmax": "far field", "imin": "Öffnung #1"}
@@ -180,7 +180,7 @@ def without(path: str):
     return lambda file: file.pop(path)
 
 
-def with_data(path: str, values: object):
+def changed(path: str, values: object):
     def change(file: h5py.File) -> None:
         del file[path + "/ data"]
         file[path + "/ data"] = values
@@ -198,19 +198,20 @@ BAD = {
     "no base": (without("Base"), "no CGNSBase_t"),
     "no zones": (lambda file: (file.pop("Base/block 0"), file.pop("Base/block 1")), "no zones"),
     "no type": (without(ZONE + "ZoneType"), "lacks ZoneType"),
-    "unstructured": (with_data(ZONE + "ZoneType", np.frombuffer(b"Unstructured", np.int8)), "is Unstructured"),
+    "another type": (changed(ZONE + "ZoneType", np.frombuffer(b"Cloudy", np.int8)), "is 'Cloudy'"),
+    "unstructured": (changed(ZONE + "ZoneType", np.frombuffer(b"Unstructured", np.int8)), "was expected"),
     "no points": (without(ZONE + "GridCoordinates"), "no GridCoordinates_t"),
     "no y": (without(ZONE + "GridCoordinates/CoordinateY"), "lacks CoordinateY"),
     "no values": (without(ZONE + "GridCoordinates/CoordinateY/ data"), "needs"),
-    "wrong shape": (with_data(ZONE + "GridCoordinates/CoordinateX", np.zeros((5, 4, 2))), "its zone needs"),
-    "not finite": (with_data(ZONE + "GridCoordinates/CoordinateX", np.full((5, 4, 3), np.nan)), "nan"),
-    "text for points": (with_data(ZONE + "GridCoordinates/CoordinateX", np.array([b"abc"])), "no number"),
-    "size": (with_data("Base/block 0", np.zeros((2, 3), np.int32)), "was expected"),
-    "negative size": (with_data("Base/block 0", np.full((3, 3), -4, np.int32)), "its zone needs"),
-    "beyond": (with_data(JOIN + "PointRange", np.array([[3, 1, 1], [3, 4, 9]])), "beyond a zone"),
+    "wrong shape": (changed(ZONE + "GridCoordinates/CoordinateX", np.zeros((5, 4, 2))), "its zone needs"),
+    "not finite": (changed(ZONE + "GridCoordinates/CoordinateX", np.full((5, 4, 3), np.nan)), "nan"),
+    "text for points": (changed(ZONE + "GridCoordinates/CoordinateX", np.array([b"abc"])), "no number"),
+    "size": (changed("Base/block 0", np.zeros((2, 3), np.int32)), "was expected"),
+    "negative size": (changed("Base/block 0", np.full((3, 3), -4, np.int32)), "its zone needs"),
+    "beyond": (changed(JOIN + "PointRange", np.array([[3, 1, 1], [3, 4, 9]])), "beyond a zone"),
     "no donor": (without(JOIN + "PointRangeDonor"), "lacks PointRangeDonor"),
-    "no such donor": (with_data(JOIN[:-1], np.frombuffer(b"tail", np.int8)), "'tail'"),
-    "transform": (with_data(JOIN + "Transform", np.array([1, 1, 2], np.int32)), "transform"),
+    "no such donor": (changed(JOIN[:-1], np.frombuffer(b"tail", np.int8)), "'tail'"),
+    "transform": (changed(JOIN + "Transform", np.array([1, 1, 2], np.int32)), "transform"),
     "circle": (in_circles, "circles"),
     "broken link": (lambda file: file.__setitem__("Base/away", h5py.ExternalLink("gone.cgns", "/")), "leads nowhere"),
 }
@@ -245,7 +246,115 @@ def test_what_other_programs_leave_out(tmp_path):
         conditions = zone["ZoneBC"]
         for name in list(conditions):
             del conditions[name + "/FamilyName"]
-        with_data("Base/grid", zone[" data"][()].astype(np.int64))(file)
+        changed("Base/grid", zone[" data"][()].astype(np.int64))(file)
     found = mc.io.read(tmp_path / "p.cgns")
     assert found.names == {"imax": "boundary 2", "jmin": "boundary 3", "jmax": "boundary 4"}
     assert found.cuts == c_shape(4, 10, 3).cuts
+
+
+# ---- unstructured zones
+
+
+@pytest.mark.parametrize("made", [curve(), curve(space=True), surface(), surface(space=True), volume()])
+@pytest.mark.parametrize("data", [False, True])
+def test_meshes_come_back(made, data, tmp_path):
+    made = with_data(made) if data else made
+    same(round_trip(tmp_path, ".cgns", made), made)
+
+
+@pytest.mark.parametrize("made", [c_shape(4, 10, 3), h_shape(3), turned_volumes((1, 2, 0), (False,) * 3)])
+def test_named_sides_come_back_and_vtk_reads_them(made, tmp_path):
+    mesh = mc.with_named_sides(made)
+    count = np.arange(mesh.n_cells)
+    same(round_trip(tmp_path, ".cgns", mesh), mesh)
+    inside = next(row for row in vtk_blocks(tmp_path / "mesh.cgns") if row[0] == "Internal" or row[2] == made.n_cells)
+    assert inside[1:] == (mesh.n_points, made.n_cells)
+    with pytest.warns(mc.io.FormatWarning, match="of the boundary"):
+        mc.io.write(tmp_path / "data.cgns", mc.Mesh(mesh.points, mesh.cells, {}, {"n": count}, mesh.sets))
+    found = mc.io.read(tmp_path / "data.cgns").cell_data["n"]
+    assert found[: made.n_cells].tolist() == count[: made.n_cells].tolist() and not found[made.n_cells :].any()
+
+
+def test_sets_of_any_cells_of_the_boundary(tmp_path):
+    """Sets whose cells lie apart, share cells, or have two kinds; sets of the domain are told."""
+    mesh = volume()
+    cells = {**mesh.cells, "quad": [[0, 3, 2, 1], [0, 1, 5, 4], [2, 3, 7, 6], [3, 0, 4, 7]], "triangle": [[4, 5, 8]]}
+    sets = {"a": [4, 6], "b": [5, 8], "c": [6, 7], "inside": [0]}
+    with pytest.warns(mc.io.FormatWarning, match="'inside'"):
+        mc.io.write(tmp_path / "s.cgns", mc.Mesh(mesh.points, cells, sets=sets))
+    found = mc.io.read(tmp_path / "s.cgns")
+
+    def corners(mesh: mc.Mesh, name: str) -> set:
+        listed = [row for kind in mesh.cells for row in mesh.cells[kind].tolist()]
+        return {tuple(listed[k]) for k in mesh.sets[name]}
+
+    given = mc.Mesh(mesh.points, cells, sets=sets)
+    assert all(len(found.sets[name]) == 2 for name in found.sets)
+    assert set(found.sets) == {"a", "b", "c"}
+    assert all(corners(found, name) == corners(given, name) for name in found.sets)
+
+
+def test_mixed_sections_and_several_zones(tmp_path):
+    """As other programs write them: elements that begin with their types, the boundary first."""
+    from meshcore.io.cgns_nodes import Node, write_nodes
+
+    base = Node("b", "CGNSBase_t", np.array([2, 2], np.int32))
+    for k in range(2):
+        zone = base.add(f"part {k}", "Zone_t", np.array([[5], [2], [0]], np.int32))
+        zone.add("ZoneType", "ZoneType_t", "Unstructured")
+        points = zone.add("GridCoordinates", "GridCoordinates_t")
+        points.add("CoordinateX", "DataArray_t", np.array([0, 1, 1, 0, 2], np.float32))
+        points.add("CoordinateY", "DataArray_t", np.array([0, 0, 1, 1, 0], np.float32) + k)
+        for name, kind, span, nodes in (("edge", 3, (1, 1), (1, 2)), ("all", 20, (2, 3), (7, 1, 2, 3, 4, 5, 2, 5, 3))):
+            section = zone.add(name, "Elements_t", np.array([kind, 0], np.int32))
+            section.add("ElementRange", "IndexRange_t", np.array(span, np.int32))
+            section.add("ElementConnectivity", "DataArray_t", np.array(nodes, np.int32))
+        solution = zone.add("s", "FlowSolution_t")
+        solution.add("GridLocation", "GridLocation_t", "CellCenter")
+        solution.add("n", "DataArray_t", np.array([7, 8], np.int32))
+    write_nodes(tmp_path / "two.cgns", [base])
+    found = mc.io.read(tmp_path / "two.cgns")
+    assert {kind: len(cells) for kind, cells in found.cells.items()} == {"line": 2, "quad": 2, "triangle": 2}
+    assert found.cell_data["n"].tolist() == [0, 0, 7, 7, 8, 8]
+    assert {"part 0", "part 1"} <= set(found.sets)
+
+
+MESH = "Base/mesh/"
+BAD_MESHES = {
+    "no sections": (lambda file: [file.pop(MESH + k) for k in ("quad", "triangle", "wall")], "no Elements_t"),
+    "polyhedra": (changed(MESH + "quad", np.array([22, 0], np.int32)), "type 22"),
+    "short": (changed(MESH + "quad/ElementConnectivity", np.array([1, 2, 3], np.int32)), "promises"),
+    "beyond": (changed(MESH + "quad/ElementConnectivity", np.array([1, 2, 3, 77], np.int32)), "76|77"),
+    "mixed": (changed(MESH + "quad", np.array([20, 0], np.int32)), "of type 1"),
+    "range": (changed(MESH + "quad/ElementRange", np.array([5, 2], np.int32)), "promises"),
+    "size": (changed(MESH[:-1], np.array([[6], [9], [0]], np.int32)), None),
+}
+
+
+@pytest.mark.parametrize("name", BAD_MESHES)
+def test_meshes_that_lie(name, tmp_path):
+    change, words = BAD_MESHES[name]
+    plain = surface()
+    mesh = mc.Mesh(plain.points, {**plain.cells, "line": [[0, 1], [1, 2]]}, sets={"wall": [3, 4]})
+    mc.io.write(tmp_path / "bad.cgns", mesh)
+    with h5py.File(tmp_path / "bad.cgns", "r+") as file:
+        change(file)
+    if words is None:
+        assert mc.io.read(tmp_path / "bad.cgns").n_cells == mesh.n_cells
+        return
+    with pytest.raises(mc.InvalidInput, match=words):
+        mc.io.read(tmp_path / "bad.cgns")
+
+
+def test_sets_of_points_or_of_ends_of_curves_are_told(tmp_path):
+    ends = mc.Mesh(curve().points, {**curve().cells, "vertex": [[0], [5]]}, sets={"ends": [3, 4]})
+    with pytest.warns(mc.io.FormatWarning, match="'ends'"):
+        mc.io.write(tmp_path / "c.cgns", ends)
+    assert mc.io.read(tmp_path / "c.cgns").cells["vertex"].tolist() == [[0], [5]]
+    plain = surface()
+    mesh = mc.Mesh(plain.points, {**plain.cells, "line": [[0, 1], [1, 2]]}, sets={"wall": [3, 4]})
+    mc.io.write(tmp_path / "m.cgns", mesh)
+    with h5py.File(tmp_path / "m.cgns", "r+") as file:
+        del file[MESH + "ZoneBC/wall/GridLocation"]
+    with pytest.warns(mc.io.FormatWarning, match="'wall'"):
+        assert mc.io.read(tmp_path / "m.cgns").sets == {}
