@@ -61,8 +61,12 @@ def write_map(path: Path, grid: Union[StructuredGrid, MultiBlock]) -> None:
 
 
 def _quoted(name: str) -> str:
-    name = " ".join(name.split())
-    return f'"{name}"' if "'" in name else f"'{name}'"
+    """The name between quotes; where it has both kinds, those within become single ones."""
+    name = " ".join(name.replace("\0", "").split())
+    if "'" not in name:
+        return f"'{name}'"
+    within = name.replace('"', "'")
+    return f'"{within}"'
 
 
 def _face_of(cut: Cut, shapes: Sequence[tuple[int, int, int]]) -> str:
@@ -120,7 +124,7 @@ def read_map(path: Path, shapes: Sequence[tuple[int, int, int]]) -> tuple[list[s
                 cuts.append(_cut(words, line, shapes, name))
             elif len(words) >= 7 and not _is_join(words[0]):
                 block, face, points = _range(words[1:7], line, shapes)
-                boundaries.append(Patch(block, face, points, words[0].strip("'\"")))
+                boundaries.append(Patch(block, face, points, _unquoted(words[0])))
             else:
                 raise InvalidInput(f"{len(words)} columns; 7 make a boundary, 14 a join")
         except InvalidInput as error:
@@ -133,8 +137,12 @@ def _comment(words: list[str]) -> str:
     return words.pop().lstrip("# ").strip() if words[-1].startswith("#") else ""
 
 
+def _unquoted(word: str) -> str:
+    return word[1:-1] if word[0] in "'\"" and word[-1] == word[0] else word
+
+
 def _is_join(word: str) -> bool:
-    return word.strip("'\"").upper().replace("-", "_") == _JOIN
+    return _unquoted(word).upper().replace("-", "_") == _JOIN
 
 
 def _range(words: list[str], line: int, shapes: Sequence[tuple[int, int, int]]) -> tuple[int, str, Range]:

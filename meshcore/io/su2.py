@@ -145,7 +145,7 @@ def _markers(mesh: Mesh, is_domain: np.ndarray) -> dict[str, list[int]]:
 
 def _tag(name: str, taken: Collection[str]) -> str:
     """A name that SU2's mesh and configuration files hold, and that is not taken."""
-    tag = plain = re.sub(r"[\s,;()\[\]{}=|%'\"]+", "_", name.strip()) or _UNNAMED
+    tag = plain = re.sub(r"[^\w.+-]+", "_", name.strip()) or _UNNAMED
     number = 1
     while tag in taken:
         number += 1

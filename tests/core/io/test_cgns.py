@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import itertools
 import sys
+import tempfile
+import warnings
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +13,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import meshcore as mc
 from meshcore import Cut
@@ -358,3 +362,18 @@ def test_sets_of_points_or_of_ends_of_curves_are_told(tmp_path):
         del file[MESH + "ZoneBC/wall/GridLocation"]
     with pytest.warns(mc.io.FormatWarning, match="'wall'"):
         assert mc.io.read(tmp_path / "m.cgns").sets == {}
+
+
+@given(st.dictionaries(st.sampled_from(["imin", "imax", "jmin", "jmax", "kmin", "kmax"]), st.text(max_size=34)))
+def test_any_names(names):
+    """Those that fit come back as they are, the others as something else, and a face with a name keeps one."""
+    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+        warnings.simplefilter("ignore", mc.io.FormatWarning)
+        mc.io.write(Path(folder) / "box.cgns", replace(grid(), names=names))
+        found = mc.io.read(Path(folder) / "box.cgns").names
+    for face, name in names.items():
+        if name == unique(name, set()) and name != "boundary":
+            assert found[face] == name
+        elif name not in ("", "boundary"):
+            assert found[face] not in ("", "boundary")
+    assert set(found) <= set(names)

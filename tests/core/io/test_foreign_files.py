@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import itertools
 import struct
+import tempfile
 from pathlib import Path
 
 import meshio
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from meshio.gmsh.common import _gmsh_to_meshio_order
 
 import meshcore as mc
@@ -396,3 +399,15 @@ def test_markers_have_names_that_su2_takes(tmp_path: Path) -> None:
     again = mc.io.read(tmp_path / "mesh.su2")
     named = {"far_field": [1], "far_field_2": [2], "wall_upper_1": [3], "unnamed": [4]}
     assert {name: members.tolist() for name, members in again.sets.items()} == named
+
+
+@given(st.lists(st.text(max_size=8), min_size=3, max_size=3, unique=True))
+def test_markers_of_any_names(names):
+    cells = {"quad": [[0, 1, 2, 3]], "line": [[0, 1], [1, 2], [2, 3], [3, 0]]}
+    sets = {name: [k] for k, name in enumerate(names, 1)}
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "mesh.su2"
+        mc.io.write(path, mc.Mesh([[0, 0], [1, 0], [1, 1], [0, 1]], cells, sets=sets))
+        again = mc.io.read(path)
+    assert [members.tolist() for members in again.sets.values()] == [[1], [2], [3], [4]]
+    assert not any(set(name) & set(" ,;()=%'\"\t\n") for name in again.sets)

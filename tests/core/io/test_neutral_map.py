@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import itertools
+import tempfile
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import meshcore as mc
 from meshcore import Cut
@@ -115,3 +118,13 @@ def test_of_two_names_of_a_face_the_larger_is_kept(tmp_path: Path):
     (tmp_path / "c.nmf").write_text("1\n1 19 4 1\nlip 1 6 1 1 1 3\nouter 1 6 1 1 3 19\n")
     with pytest.warns(mc.io.FormatWarning, match="'lip'"):
         assert mc.io.read(tmp_path / "c.p3d").names == {"jmax": "outer"}
+
+
+@given(st.dictionaries(st.sampled_from(["imin", "imax", "jmin", "jmax", "kmin", "kmax"]), st.text(max_size=12)))
+def test_any_names(names):
+    plain = {face: " ".join(name.replace("\0", "").split()) for face, name in names.items()}
+    plain = {face: name if "'" not in name else name.replace('"', "'") for face, name in plain.items()}
+    plain = {face: name for face, name in plain.items() if name not in ("", "boundary")}
+    with tempfile.TemporaryDirectory() as folder:
+        mc.io.write(Path(folder) / "box.p3d", replace(grid(), names=names))
+        assert mc.io.read(Path(folder) / "box.p3d").names == plain
