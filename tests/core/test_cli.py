@@ -600,3 +600,21 @@ def test_warnings_of_libraries_are_not_shown(every_kind, loop, tmp_path, call):
     object.__setattr__(every_kind, "function", warns)
     code, _, err = call("every-kind", loop, "-o", tmp_path / "out.vtu")
     assert (code, err) == (0, "")
+
+
+@pytest.mark.parametrize("extension", ["su2", "p3d", "cgns"])
+def test_a_c_grid_has_its_boundaries_in_the_files_of_flow_solvers(extension, tmp_path, call):
+    mc.io.write(tmp_path / "section.vtp", gallery.airfoil("naca0012"))
+    made = tmp_path / f"c.{extension}"
+    code, _, err = call("c-grid", tmp_path / "section.vtp", "-o", made, "--radius", 3)
+    assert (code, err) == (0, "")
+    code, _, err = call("convert", made, tmp_path / "again.su2")
+    assert (code, err) == (0, "")
+    assert set(mc.io.read(tmp_path / "again.su2").sets) == {"wall", "far_field", "outflow"}
+
+
+def test_a_format_without_its_library_is_refused_before_the_work(tmp_path, call, monkeypatch):
+    monkeypatch.setitem(sys.modules, "h5py", None)
+    mc.io.write(tmp_path / "section.vtp", gallery.airfoil("naca0012"))
+    code, _, err = call("c-grid", tmp_path / "section.vtp", "-o", tmp_path / "c.cgns")
+    assert code != 0 and "pip install h5py" in err and not leftovers(tmp_path)
