@@ -18,7 +18,12 @@ from ..progress import Progress, advance, silent
 from . import blender, packages, paraview, places
 from .host import Host
 
-_EXTRAS = {"meshio": "file formats of other meshers", "pyvista": "pictures", "rich": "a better progress bar"}
+_EXTRAS = {
+    "meshio": "file formats of other meshers",
+    "h5py": "CGNS files",
+    "pyvista": "pictures",
+    "rich": "a better progress bar",
+}
 _DRAW = "import sys; from meshcore import gallery; from meshcore.picture import picture; "
 _DRAW += "picture(gallery.triangulated_square(2), sys.argv[1], window=(64, 64))"
 
