@@ -113,3 +113,16 @@ def turned_volumes(order: tuple[int, int, int], back: tuple[bool, bool, bool]) -
     names = ({"imin": "in", "jmax": "side wall"}, {f"{free}min": "it's"})
     blocks = tuple(StructuredGrid(p, names=n) for p, n in zip((box(0, 3), turned), names, strict=True))
     return MultiBlock(blocks, cuts=(cut,))
+
+
+def on_a_step() -> MultiBlock:
+    """A box on the middle of another's face, whose rest is "step"."""
+
+    def box(*axes: np.ndarray) -> np.ndarray:
+        return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1) / 3
+
+    low = box(np.arange(3), np.arange(6), np.arange(7))
+    high = box(np.arange(2, 5), np.arange(1, 4), np.arange(2, 6))
+    cut = Cut(((2, 1, 2), (2, 3, 5)), ((0, 0, 0), (0, 2, 3)), (1, 2, 3), 0, 1)
+    blocks = StructuredGrid(low, names={"imax": "step", "imin": "floor"}), StructuredGrid(high, names={"imax": "roof"})
+    return MultiBlock(blocks, cuts=(cut,))

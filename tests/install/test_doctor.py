@@ -26,7 +26,7 @@ def by_check(findings, subject):
 def test_meshcore_itself_works_here(no_hosts):
     findings = by_check(install.doctor(), "meshcore")
     assert {name: finding.state for name, finding in findings.items()} == dict.fromkeys(
-        ["Python", "kernels", "kernel cache", "meshio", "pyvista", "rich", "picture"], "ok"
+        ["Python", "kernels", "kernel cache", "meshio", "h5py", "pyvista", "rich", "picture"], "ok"
     ), findings
 
 

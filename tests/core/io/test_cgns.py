@@ -20,7 +20,7 @@ import meshcore as mc
 from meshcore import Cut
 from meshcore.io.cgns_nodes import NAME_LENGTH, unique
 from tests.core.io.round_trip import curve, grid, round_trip, same, surface, volume, with_data
-from tests.cut_grids import c_shape, h_shape, quarter_turned, ring, turned_volumes
+from tests.cut_grids import c_shape, h_shape, on_a_step, quarter_turned, ring, turned_volumes
 
 NAMED = {"jmin": "wall", "jmax": "far field", "imin": "Öffnung #1"}
 TURNS = list(itertools.product(itertools.permutations(range(3)), itertools.product([False, True], repeat=3)))
@@ -37,6 +37,7 @@ def same_joins(found: mc.StructuredGrid | mc.MultiBlock, expected: mc.Structured
         replace(ring(12, 3), names={"jmin": "wall", "jmax": "far field"}),
         replace(c_shape(4, 10, 3), names=NAMED),
         h_shape(3),
+        on_a_step(),
         *map(quarter_turned, range(4)),
         grid(),
         grid(layers=1),

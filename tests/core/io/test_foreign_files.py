@@ -411,3 +411,18 @@ def test_markers_of_any_names(names):
         again = mc.io.read(path)
     assert [members.tolist() for members in again.sets.values()] == [[1], [2], [3], [4]]
     assert not any(set(name) & set(" ,;()=%'\"\t\n") for name in again.sets)
+
+
+def test_sides_that_repeat_are_a_pair_of_markers(tmp_path: Path) -> None:
+    x, y = np.meshgrid([0.0, 1, 2, 4], [0.0, 1, 3], indexing="ij")
+    cut = mc.Cut(((0, 0, 0), (0, 2, 0)), ((3, 0, 0), (3, 2, 0)), translation=(4, 0, 0), name="pitch")
+    mc.io.write(tmp_path / "row.su2", mc.StructuredGrid(np.stack([x, y], axis=-1), names={"jmin": "hub"}, cuts=(cut,)))
+    again = mc.io.read(tmp_path / "row.su2")
+    assert {name: len(cells) for name, cells in again.sets.items()} == {
+        "pitch": 2,
+        "pitch_donor": 2,
+        "hub": 3,
+        "boundary": 3,
+    }
+    here, there = (again.points[np.unique(again.get("line")[again.sets[n] - 6])] for n in ("pitch", "pitch_donor"))
+    np.testing.assert_allclose(here + [4, 0, 0], there)

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import meshcore as mc
 from meshcore import Cut
 from tests.core.io.round_trip import grid, round_trip, same
-from tests.cut_grids import c_shape, h_shape, quarter_turned, ring, turned_volumes
+from tests.cut_grids import c_shape, h_shape, on_a_step, quarter_turned, ring, turned_volumes
 
 NAMED = {"jmin": "wall", "jmax": "far field", "imin": "Öffnung #1"}
 TURNS = list(itertools.product(itertools.permutations(range(3)), itertools.product([False, True], repeat=3)))
@@ -34,6 +34,7 @@ def same_joins(found: mc.StructuredGrid | mc.MultiBlock, expected: mc.Structured
         replace(ring(12, 3), names={"jmin": "wall", "jmax": "far field"}),
         replace(c_shape(4, 10, 3), names=NAMED),
         h_shape(3),
+        on_a_step(),
         *map(quarter_turned, range(4)),
     ],
 )

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import meshcore as mc
 from meshcore import Cut
 from tests.core.mesh.test_structured_grid import box
-from tests.cut_grids import c_shape, h_shape, quarter_turned, ring
+from tests.cut_grids import c_shape, h_shape, on_a_step, quarter_turned, ring
 
 
 def cells_of(patch: mc.Patch) -> int:
@@ -26,8 +26,8 @@ def boundary_cells(grid: mc.StructuredGrid | mc.MultiBlock) -> int:
 
 @pytest.mark.parametrize(
     "grid",
-    [ring(12, 3), c_shape(4, 10, 3), h_shape(3), quarter_turned(1), box(4, 3, 5), box(4, 3, 1)],
-    ids=["o", "c", "h", "turned", "volume", "plane"],
+    [ring(12, 3), c_shape(4, 10, 3), h_shape(3), quarter_turned(1), box(4, 3, 5), box(4, 3, 1), on_a_step()],
+    ids=["o", "c", "h", "turned", "volume", "plane", "step"],
 )
 def test_patches_are_the_boundary_of_the_glued_mesh(grid):
     assert boundary_cells(grid) == grid.to_mesh().boundary.n_cells
@@ -35,6 +35,18 @@ def test_patches_are_the_boundary_of_the_glued_mesh(grid):
     for patch in mc.patches(grid):
         axis, last = "ijk".index(patch.face[0]), patch.face.endswith("max")
         assert patch.points[0][axis] == patch.points[1][axis] == last * (blocks[patch.block].shape[axis] - 1)
+
+
+def test_a_hole_in_a_face_leaves_four_rectangles():
+    step = [patch for patch in mc.patches(on_a_step()) if patch.name == "step"]
+    assert sum(map(cells_of, step)) == 5 * 6 - 2 * 3 and len(step) == 4
+    sides = mc.with_named_sides(on_a_step())
+    assert {name: len(cells) for name, cells in sides.sets.items()} == {
+        "floor": 30,
+        "step": 24,
+        "roof": 6,
+        "boundary": 2 * 2 * (5 + 6) + 2 * 2 * (2 + 3),
+    }
 
 
 def test_the_wall_of_a_c_grid_is_what_the_wake_leaves():
