@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from .fit import warn_dropped
 from .polyhedra import holds_polyhedra, listed, polyhedral
 from .ragged import LINE, VERTEX, cells_by_kind
 
+AnyGrid = TypeVar("AnyGrid", StructuredGrid, MultiBlock)
 SET_PREFIX = "set:"
 FACE_NAMES = "face_names"
 PERIODIC = "periodic"
@@ -214,11 +216,19 @@ def _decoded_grid(data: DataSet) -> StructuredGrid:
         {face: name for face, name in zip(FACES, names, strict=True) if name} if len(names) == 6 else {},
         tuple(periodic) if len(periodic) == 3 else (False, False, False),
     )
-    return _with_cuts(grid, [str(text) for text in fields.get(CUTS, ())])
+    return with_cuts(grid, fields)
 
 
-def _with_cuts(grid: StructuredGrid, texts: list[str]) -> StructuredGrid:
-    """The grid with its cuts, of JSON; where it was changed since, so that they do not hold, without them."""
+def with_cuts(grid: AnyGrid, fields: Mapping[str, np.ndarray]) -> AnyGrid:
+    """The grid or blocks with the cuts in field data; where they were changed since, so that they do not hold, without.
+
+    Examples
+    --------
+    >>> grid = StructuredGrid([[[0, 0], [0, 1]], [[1, 0], [1, 1]]])
+    >>> with_cuts(grid, {}) is grid
+    True
+    """
+    texts = [str(text) for text in fields.get(CUTS, ())]
     try:
         return replace(grid, cuts=tuple(Cut(**json.loads(text)) for text in texts)) if texts else grid
     except (InvalidInput, TypeError, ValueError) as error:

@@ -22,7 +22,7 @@ from .fit import ALL_CELLS, SURFACE_CELLS, Holds
 from .polyhedra import POLYHEDRON, face_streams
 from .ragged import POLY_LINE, POLY_VERTEX, POLYGON, TRIANGLE_STRIP
 from .registry import AnyMesh, register
-from .vtk_data import GRID, MESH, DataSet, decoded, together
+from .vtk_data import GRID, MESH, DataSet, decoded, together, with_cuts
 from .vtk_xml_arrays import XmlFile, whole_attribute
 from .vtk_xml_writer import POLY_GROUPS, write_vtm, write_vtp, write_vts, write_vtu
 
@@ -193,7 +193,8 @@ def _read_blocks(path: Path, file: XmlFile) -> AnyMesh:
     follow(body if body is not None else file.root, "")
     if not parts:
         raise InvalidInput("it has no blocks")
-    return together(parts)
+    found = together(parts)
+    return with_cuts(found, _data(file, file.root, "FieldData", None)) if isinstance(found, MultiBlock) else found
 
 
 _EVERYTHING = {"point_data": True, "cell_data": True, "field_data": True, "sets": True}

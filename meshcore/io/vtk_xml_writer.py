@@ -13,7 +13,7 @@ import numpy as np
 
 from ..errors import InvalidInput
 from ..mesh import Mesh, MultiBlock, PolyhedralMesh, StructuredGrid
-from .vtk_data import DataSet, encoded
+from .vtk_data import DataSet, encoded, encoded_cuts
 from .vtk_xml_arrays import TYPE_NAMES
 
 POLY_GROUPS = ("Verts", "Lines", "Polys", "Strips")
@@ -126,7 +126,7 @@ def write_vts(path: Path, grid: StructuredGrid, *, binary: bool = True) -> None:
 
 
 def write_vtm(path: Path, grid: StructuredGrid | MultiBlock, *, binary: bool = True) -> None:
-    """An index, and each block as a .vts file in a folder of the index's name."""
+    """An index with the cuts between blocks, and each block as a .vts file in a folder of the index's name."""
     blocks = grid if isinstance(grid, MultiBlock) else MultiBlock((grid,))
     folder = path.with_suffix("")
     folder.mkdir()
@@ -135,4 +135,7 @@ def write_vtm(path: Path, grid: StructuredGrid | MultiBlock, *, binary: bool = T
         write_vts(folder / f"{folder.name}_{k}.vts", block, binary=binary)
         file = f"{folder.name}/{folder.name}_{k}.vts"
         lines.append(f'<DataSet index="{k}" name={quoteattr(name)} file={quoteattr(file)}/>\n')
-    _save(path, _document("vtkMultiBlockDataSet", f"<vtkMultiBlockDataSet>\n{''.join(lines)}</vtkMultiBlockDataSet>\n"))
+    body = f"<vtkMultiBlockDataSet>\n{''.join(lines)}</vtkMultiBlockDataSet>\n"
+    if cuts := encoded_cuts(blocks.cuts):
+        body += _section("FieldData", cuts, binary)  # beside the blocks, since among them VTK takes it for a fault
+    _save(path, _document("vtkMultiBlockDataSet", body))

@@ -8,10 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import pyvista
 
 import meshcore as mc
 from meshcore.mesh import CELL_TYPES
 from tests.core.io.round_trip import SPACE, check, curve, grid, round_trip, same, surface, volume, with_data, with_sets
+from tests.cut_grids import h_shape
 
 
 def triangles() -> mc.Mesh:
@@ -112,6 +114,15 @@ def test_structured(extension: str, layers: int, options: dict, tmp_path: Path) 
     )
     expected = mc.MultiBlock((rich,)) if extension == ".vtm" else rich
     same(round_trip(tmp_path, extension, rich, **options), expected)
+
+
+@pytest.mark.parametrize("options", [BINARY, TEXT])
+def test_cuts_between_blocks_come_back_and_vtk_reads_on(options: dict, tmp_path: Path) -> None:
+    made = h_shape(3)
+    found = round_trip(tmp_path, ".vtm", made, **options)
+    same(found, made)
+    assert found.cuts == made.cuts and len(made.cuts) == 4
+    assert pyvista.read(tmp_path / "mesh.vtm").keys() == list(made.names)
 
 
 def test_blocks(tmp_path: Path) -> None:
