@@ -43,7 +43,7 @@ def hyperbolic_step(front, height, base):
     half = 2 * np.sin(0.5 * bend)
 
     def ramp(aspect):
-        return aspect / (aspect + 0.2)
+        return aspect / (aspect + 0.8)
 
     for k in range(n):
         after, before = (k + 1) % n, (k - 1) % n

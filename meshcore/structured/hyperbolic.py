@@ -250,6 +250,8 @@ def _rest(scheme: str, ready: Front, start, target, fractions, progress: Progres
 def _reported(ready: Front, result: Marched, asked: int) -> Result:
     made = result.points.shape[1] - 1
     warnings = list(ready.warnings)
+    if result.raised > 1:
+        warnings.append(f"cells would have folded; the grid was smoothed {result.raised:g} times as much as asked")
     if result.stop is not None:
         warnings.append(f"{stop_told(result.stop, ready, asked)}; {_CURE}")
         if made == 0:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from ..errors import InvalidGeometry, InvalidInput
 from ..geometry.curves import turning
-from ..progress import Progress, advance, silent
+from ..progress import Progress, advance, part_of, silent
 from ..quality.embedding import overlaps
 from . import _hyperbolic_kernels as kernels
 from . import _marching_front_kernels as fronts
@@ -18,6 +18,10 @@ from .marching_ends import Conditions, End, Free, as_numbers
 
 POINTS_A_CHUNK = 100_000
 """Between reports of progress; about 30 ms."""
+RAISED = (1.0, 1.5, 3.0)
+"""Times the dissipation asked for with which a march is tried, each if cells fold with the one before."""
+MOST_BASE = 2.0
+FOLDED, MET = "cells fold", "fronts meet"
 
 
 @dataclass(frozen=True)
@@ -42,7 +46,7 @@ class Dissipation:
     implicitness: float = 0.0
 
     def __post_init__(self) -> None:
-        for name, most in (("base", 2.0), ("implicitness", 4.0)):
+        for name, most in (("base", MOST_BASE), ("implicitness", 4.0)):
             value = getattr(self, name)
             if not 0 <= value <= most:
                 raise InvalidInput(f"must lie between 0 and {most:g}, got {value}", parameter=name)
@@ -83,11 +87,14 @@ class Marched(NamedTuple):
         Layers that were made in smaller steps.
     stop : Stop or None
         Where it ended too early.
+    raised : float
+        Times the dissipation asked for with which it was made: more than 1 where cells fold with that.
     """
 
     points: np.ndarray
     split: int
     stop: Stop | None
+    raised: float = 1.0
 
 
 def layer_heights(
@@ -239,7 +246,18 @@ def marched(
     front = checked_front(front, closed)
     heights = _checked_heights(heights, len(front))
     conditions = as_numbers(ends, front, closed)
-    return run(front, heights, np.empty((2, 0)), conditions, dissipation, progress)
+    given = front, heights, np.empty((2, 0)), conditions
+    first = None
+    for attempt, times in enumerate(RAISED):
+        stronger = replace(dissipation, base=min(times * dissipation.base, MOST_BASE))
+        part = part_of(progress, 1 - 0.5**attempt, 1 - 0.5 ** (attempt + 1))
+        result = run(*given, stronger, part)
+        if result.stop is None:
+            return result._replace(raised=times)
+        first = first or result
+        if result.stop.reason != FOLDED:
+            break
+    return first
 
 
 def run(
@@ -255,10 +273,10 @@ def run(
     out, made, info = _march(front, heights, outer, conditions, dissipation, progress)
     stop = None
     if made < len(heights):
-        stop = _stop(out[made].T, int(info[1]), made, closed, "cells fold")
+        stop = _stop(out[made].T, int(info[1]), made, closed, FOLDED)
     sound, where = _last_simple(out[: made + 1], closed)
     if sound < made:
-        stop = _stop(out[sound].T, where, sound, closed, "fronts meet")
+        stop = _stop(out[sound].T, where, sound, closed, MET)
     return Marched(np.ascontiguousarray(out[: sound + 1].transpose(2, 0, 1)), int(info[0]), stop)
 
 

@@ -7,6 +7,7 @@ import meshcore as mc
 from meshcore import gallery
 from meshcore.errors import Cancelled, GenerationFailed, InvalidGeometry, InvalidInput
 from meshcore.geometry.curves import lines_through, polyline, turning
+from meshcore.quality import line_angle
 from meshcore.sizing.around_loop import respaced_loop
 from meshcore.structured._block_tridiagonal_kernels import solve
 from meshcore.structured._collision_kernels import collisions
@@ -188,6 +189,33 @@ def test_edges_of_a_coarse_notch_that_vanish():
     size = np.linalg.norm(np.ptp(front, axis=0))
     result = marched(front, layer_heights(1e-4 * size, 1.5, layers=80, distance=10 * size), closed=True)
     assert result.stop is None and naive.sound(result.points, True)
+
+
+def blob(seed, n=60):
+    """A clockwise smooth body with narrow bays of few points."""
+    rng, angle = np.random.default_rng(seed), -2 * np.pi * np.arange(n) / n
+    waves = sum(rng.normal() / m * np.cos(m * angle + rng.uniform(0, 7)) for m in range(1, 12))
+    return np.maximum(1 + 0.4 * waves, 0.15)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+@pytest.mark.parametrize(("seed", "raised"), [(0, False), (492, True), (543, True), (661, True)])
+def test_where_cells_would_fold_a_march_is_tried_with_more_dissipation(seed, raised):
+    heights = layer_heights(1e-4, 3.0, layers=80, distance=20.0)
+    result = marched(blob(seed), heights, closed=True)
+    assert result.stop is None and (result.raised > 1) == raised
+    assert naive.sound(result.points, True)
+    front = np.concatenate([blob(seed), blob(seed)[:1]])
+    _, report = mc.hyperbolic(front, heights=heights)
+    assert report.converged and any("times as much as asked" in text for text in report.warnings) == raised
+
+
+@pytest.mark.parametrize(("name", "most"), [("naca0012", 11.5), ("rae2822", 11.8)])
+def test_lines_off_airfoils_are_hardly_skew(name, most):
+    """A third less than Construct2D's 17.3 and 17.7 degrees, away from the wall."""
+    points = marched(section(name, 250), layer_heights(1e-5, 3.0, layers=100, distance=15.0), closed=True).points
+    ring = np.concatenate([points, points[:1]])
+    grid = mc.StructuredGrid(ring, periodic=(True, False, False))
+    assert 90 - line_angle(grid)[:, 1:-1].min() < most
 
 
 def test_a_march_that_cannot_go_on_stops_with_a_valid_grid_and_says_where():
