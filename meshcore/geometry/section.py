@@ -15,6 +15,8 @@ TRAILING = 0.015
 """Corners this near to each other, as a fraction of the loop, belong to one (blunt) trailing edge."""
 CUSP = np.radians(3.0)
 """Angle between the two sides below which a trailing edge is a cusp."""
+ALIKE = 0.9
+"""Of the sharpest turn: points of round bodies that turn by more are alike, and the rearmost along x is the tail."""
 Edge = Literal["sharp", "cusped", "blunt", "round"]
 
 
@@ -27,7 +29,8 @@ class Section:
                     .------.__ first side        edge "sharp" or "cusped": loop[0] is the trailing edge
           nose  -> (          `--..  0           "blunt": loop[0] is the base's upper corner, loop[lower] the other,
                     `---------------' lower       and what follows, back to loop[0], is the base
-                      second side                 "round": there is no corner; loop[0] is where it turns most
+                      second side                 "round": there is no corner; loop[0] is where it turns most, the
+                                                      rearmost along x of such points, as on a circle
 
     Parameters
     ----------
@@ -66,7 +69,8 @@ class Section:
         turn = turning(loop)
         convex = corners(turn) & (turn > 0)
         if not convex.any():
-            return cls(np.roll(loop, -int(np.argmax(turn)), axis=0), len(loop), "round")
+            rear = np.flatnonzero(turn > ALIKE * turn.max())
+            return cls(np.roll(loop, -int(rear[np.argmax(loop[rear, 0])]), axis=0), len(loop), "round")
         first, last = _base(loop, turn, np.flatnonzero(convex))
         loop = np.roll(loop, -last, axis=0)
         if first != last:

@@ -80,7 +80,7 @@ def c_grid(
     method : {"transfinite", "elliptic", "hyperbolic", "parabolic"}
         Lines by interpolation between section and far field; that grid smoothed by the elliptic equations, with right
         angles and first heights held; marched off at right angles, the far field being where the march arrives; or
-        marched onto the far field.
+        marched onto the far field. Where straight lines cross, lines of the parabolic march take their place.
     first_height : Length
         Distance of the first points from the section, and from the wake.
     y_plus : float, optional
@@ -155,7 +155,7 @@ def c_grid(
     cut = Cut(((0, 0, 0), (front.wake, 0, 0)), ((n, 0, 0), (n - front.wake, 0, 0)), (-1, -2, 3), name="wake")
     grid = StructuredGrid(given.to_space(points), names=_NAMES, cuts=(cut,))
     counts = {"around": n - 2 * front.wake, "wake": front.wake, "layers": grid.cell_shape[1]}
-    figures = {"first height": height, "largest growth": ratio}
+    figures = {"first height": height, **({} if y_plus is None else {"y+": y_plus}), "largest growth": ratio}
     shift = np.abs(front.opened.shift[0])
     kept = np.clip(4 * shift / max(float(shift.max()), 1e-300), 0, 1)
     return finished(grid, method, kept, _CURE, counts, figures, warnings, part_of(progress, 0.6, 1.0))

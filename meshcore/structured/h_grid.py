@@ -148,7 +148,8 @@ def h_grid(
     grid = _joined(blocks, len(ahead_line) - 1, len(wake_line) - 1)
     counts = {"points": grid.n_points, "quads": grid.n_cells, "layers": blocks[0].cell_shape[1]}
     counts |= {"ahead": len(ahead_line) - 1, "wake": len(wake_line) - 1}
-    quality = {**summary(grid.to_mesh()), "first height": height, "largest growth": max(ratios)}
+    told = {"first height": height, **({} if y_plus is None else {"y+": y_plus}), "largest growth": max(ratios)}
+    quality = {**summary(grid.to_mesh()), **told}
     return Result(grid, Report(counts=counts, quality=quality, warnings=warnings))
 
 

@@ -79,7 +79,7 @@ def o_grid(
     method : {"transfinite", "elliptic", "hyperbolic", "parabolic"}
         Lines by interpolation between section and far field; that grid smoothed by the elliptic equations, with right
         angles and first heights held; marched off at right angles, the far field being where the march arrives; or
-        marched onto the far field.
+        marched onto the far field. Where straight lines cross, lines of the parabolic march take their place.
     first_height : Length
         Distance of the first points from the section.
     y_plus : float, optional
@@ -153,7 +153,7 @@ def o_grid(
     names = {"jmin": "wall", "jmax": "far field"}
     grid = StructuredGrid(given.to_space(points), names=names, periodic=(True, False, False))
     counts = {"around": grid.cell_shape[0], "layers": grid.cell_shape[1]}
-    figures = {"first height": height, "largest growth": ratio}
+    figures = {"first height": height, **({} if y_plus is None else {"y+": y_plus}), "largest growth": ratio}
     return finished(grid, method, None, _CURE, counts, figures, warnings, part_of(progress, 0.8, 1.0))
 
 

@@ -7,6 +7,7 @@ import pytest
 
 import meshcore as mc
 from meshcore import gallery
+from meshcore.quality import line_angle
 from meshcore.structured.section_result import scaled_jacobians
 from tests.bodies import BODIES, random_bodies
 from tests.sections import random_sections
@@ -71,3 +72,20 @@ def test_h_grids_march_where_straight_lines_cross_and_tell_on_which_side(kind):
             assert scaled_jacobians(block.points[:, :, 0, :2]).min() > 0
         marched += sum("the section: lines crossed" in text for text in report.warnings)
     assert marched
+
+
+def test_reports_tell_heights_reached_skew_and_wall_units():
+    grid, report = mc.c_grid(gallery.airfoil("naca0012"), y_plus=1.0, method="hyperbolic", around=120)
+    heights = first_heights(grid, report)
+    assert report.quality["least first height / asked"] == pytest.approx(heights.min())
+    assert report.quality["largest first height / asked"] == pytest.approx(heights.max())
+    assert report.quality["y+"] == 1.0
+    angle = line_angle(grid)[:, 1:-1]
+    assert report.quality["worst skew of lines (degree)"] == pytest.approx(90 - angle.min())
+
+
+def test_the_wake_of_a_circle_goes_along_x():
+    for turn in (0.0, 0.7):
+        angle = np.linspace(0, 2 * np.pi, 41) + turn
+        grid, _ = mc.c_grid(np.column_stack([np.cos(angle), np.sin(angle)]))
+        assert grid.points[0, 0, 0, 0] > 10 and abs(grid.points[0, 0, 0, 1]) < 2
