@@ -226,6 +226,9 @@ class Anderson:
         self._share(partial(self._add_up, slot, sums))
         self._gram[slot, :used], right = sums.sum(axis=0)
         self._gram[:used, slot] = self._gram[slot, :used]
+        if not (np.isfinite(right).all() and np.isfinite(self._gram[slot, :used]).all()):
+            self.forget()  # the step went astray; its residual will tell
+            return
         scale = 1 / np.sqrt(np.maximum(np.diag(self._gram)[:used], TINY))
         gram = self._gram[:used, :used] * scale[:, None] * scale
         factors = scale * np.linalg.lstsq(gram, scale * right, rcond=1e-10)[0]

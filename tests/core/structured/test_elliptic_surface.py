@@ -342,3 +342,12 @@ def test_a_sheet_dropped_on_convex_facets_does_not_collapse():
         points = getattr(facets, name)(sheet.reshape(-1, 3)).points.reshape(sheet.shape)
         spread[name] = np.linalg.norm(np.diff(points, axis=0), axis=-1).min() / 0.02
     assert spread["closest"] < 0.1 < 0.6 < spread["dropped"]
+
+
+def test_a_cone_that_is_folded_beside_its_apex_is_an_error_of_its_own():
+    """Parameters run away there, farther than single precision remembers."""
+    u, v = np.meshgrid(np.linspace(0, 3, 21), np.linspace(0, 1, 25), indexing="ij")
+    points = np.stack([v * np.cos(u), v * np.sin(u), v], axis=-1)
+    points[1:-1, 1:-1] += np.random.default_rng(1).normal(0, 0.004, points[1:-1, 1:-1].shape)
+    with pytest.raises(GenerationFailed, match="folded or flat"):
+        mc.elliptically_smoothed(mc.StructuredGrid(points[:, :, None]))

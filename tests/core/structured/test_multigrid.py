@@ -108,6 +108,22 @@ def test_acceleration_is_least_squares_of_the_last_changes(dtype, accuracy):
             np.testing.assert_array_equal(accelerator.last, after)
 
 
+@pytest.mark.parametrize("astray", [np.nan, np.inf, 1e300])
+def test_steps_that_go_astray_are_left_as_they_are_and_forgotten(astray):
+    rng = np.random.default_rng(0)
+    with Workers(1) as workers:
+        accelerator = Anderson(20, workers, 3, np.float32)
+        for wrong in (False, False, True, False):
+            before = rng.random(20)
+            after = np.where(wrong, astray, before + rng.random(20))
+            found = after.copy()
+            with np.errstate(over="ignore"):
+                accelerator.accelerate(before, found)
+        np.testing.assert_array_equal(found, after)
+        accelerator.accelerate(before := rng.random(20), after := before + rng.random(20))
+        assert np.isfinite(after).all() and accelerator.active
+
+
 def test_folded_cells_are_those_that_quality_finds():
     rng = np.random.default_rng(2)
     points = np.stack(np.meshgrid(np.arange(7.0), np.arange(6.0), np.arange(9.0), indexing="ij"), axis=-1)
