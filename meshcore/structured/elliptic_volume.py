@@ -230,9 +230,10 @@ def elliptic_volume(
     asked.check(start.points)
     advance(progress, 0.01, "smoothing")
     part = _FACES[faces]
-    points = start.points
+    points, wanting = start.points, []
     if faces == "smoothed":
-        points = _with_smooth_faces(points, control, pairs, max_cycles, part_of(progress, 0.01, part))
+        points, wanting = _with_smooth_faces(points, control, pairs, max_cycles, part_of(progress, 0.01, part))
+        warnings += wanting
     if faces == "respaced":
         points = _filled(respaced(points, asked.walls))
     filled = _filled(points)
@@ -253,7 +254,7 @@ def elliptic_volume(
         quality={**summary(result), **found.quality},
         iterations=len(found.history) - 1,
         residual=found.history[-1],
-        converged=found.converged,
+        converged=found.converged and not wanting,
         warnings=warnings + found.warnings,
         history=list(found.history),
     )
@@ -317,9 +318,12 @@ def _closed(grid: StructuredGrid, pairs: Sequence[Pair]) -> StructuredGrid:
 
 def _with_smooth_faces(
     points: np.ndarray, control: Control, pairs: Sequence[Pair], max_cycles: int, progress: Progress
-) -> np.ndarray:
-    """The block with each face a grid that is harmonic on the bicubic surface through its points, filled anew."""
-    points = points.copy()
+) -> tuple[np.ndarray, list[str]]:
+    """The block with each face a grid that is harmonic on the bicubic surface through its points, filled anew.
+
+    With it, which faces have not converged.
+    """
+    points, warnings = points.copy(), []
     for number in range(6):
         axis, side = divmod(number, 2)
         if axis in [pair.axis for pair in pairs]:  # its points are free
@@ -328,10 +332,15 @@ def _with_smooth_faces(
         step = part_of(progress, number / 6, (number + 1) / 6)
         # A face may be a line or a point, as on the axis of a wedge.
         with contextlib.suppress(InvalidGeometry):
-            face[...], _ = winslow_surface.smoothed(
+            face[...], outcome = winslow_surface.smoothed(
                 face, controlled=control == "boundary spacing", most=max_cycles, progress=step
             )
-    return _filled(points)
+            if not outcome.converged:
+                warnings.append(
+                    f"the face {end(axis, side)} has not converged after {outcome.cycles - 1} cycles: a node may be "
+                    f"{outcome.error:.2g} of the local spacing from its place"
+                )
+    return _filled(points), warnings
 
 
 def _refuse_folds(grid: StructuredGrid) -> None:

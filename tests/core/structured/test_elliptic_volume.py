@@ -200,3 +200,14 @@ def test_blocks_beyond_what_arithmetic_can_do_are_refused(scale, as_cage):
     block = mc.StructuredGrid(scale * np.stack(np.meshgrid(*[np.linspace(0, 1, 4)] * 3, indexing="ij"), axis=-1))
     with pytest.raises(InvalidGeometry, match=r"block: has an extent of .*; scale it"):
         mc.elliptic_volume(block.to_mesh().boundary if as_cage else block)
+
+
+def test_faces_that_did_not_converge_are_told():
+    block = np.stack(np.meshgrid(*[np.linspace(0, 1, n) for n in (25, 25, 9)], indexing="ij"), axis=-1)
+    bump = (np.sin(np.pi * block[:, :, 0, 0]) * np.sin(np.pi * block[:, :, 0, 1]))[..., None] ** 2
+    for height, cycles in ((0.5, 1), (0.3, 60)):
+        points = block.copy()
+        points[..., 2] = height * bump + (1 - height * bump) * block[..., 2]
+        _, report = mc.elliptic_volume(StructuredGrid(points), faces="smoothed", max_cycles=cycles)
+        told = any("the face kmin has not converged after" in text for text in report.warnings)
+        assert told == (cycles == 1) and report.converged == (cycles == 60)
