@@ -64,7 +64,11 @@ class FiniteVolumes:
     def __init__(self, grid: StructuredGrid, order: Order = 2):
         self.metrics = Metrics(grid, order)
         if self.metrics.lines is not None:
-            raise InvalidInput("has cuts; give `with_halo(grid, 2).grid`, which goes on there", parameter="grid")
+            raise InvalidInput(
+                "has cuts, through which finite volumes do not run; take `Curvilinear`, whose lines do, or "
+                "`dataclasses.replace(grid, cuts=())`, whose cuts are boundaries",
+                parameter="grid",
+            )
         self.grid, self.order = grid, order
         check_sign(self.volumes, "volume", "cells")
 
