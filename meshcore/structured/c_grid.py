@@ -156,9 +156,8 @@ def c_grid(
     grid = StructuredGrid(given.to_space(points), names=_NAMES, cuts=(cut,))
     counts = {"around": n - 2 * front.wake, "wake": front.wake, "layers": grid.cell_shape[1]}
     figures = {"first height": height, **({} if y_plus is None else {"y+": y_plus}), "largest growth": ratio}
-    shift = np.abs(front.opened.shift[0])
-    kept = np.clip(4 * shift / max(float(shift.max()), 1e-300), 0, 1)
-    return finished(grid, method, kept, _CURE, counts, figures, warnings, part_of(progress, 0.6, 1.0))
+    kept = np.ones(len(points)) if past else None  # lines fan out there
+    return finished(grid, method, kept, past, _CURE, counts, figures, warnings, part_of(progress, 0.6, 1.0))
 
 
 @dataclass(frozen=True)
@@ -182,13 +181,13 @@ def _front(section: Section, length: float, cells: int | None, growth: float) ->
 
 
 def _past_base(front: _Front, points: np.ndarray) -> int:
-    """Layers of the transfinite grid that a march keeps: beside a blunt base, whose corners it could not round."""
+    """Layers of the transfinite grid that marches and smoothing keep: those that round a blunt base."""
     if not front.opened.shift.any():
         return 0
     n, wake = len(front.points), front.wake
     base = float(np.linalg.norm(front.points[wake] - front.points[wake + BASE_CELLS]))
     height = np.linalg.norm(points[n // 2] - points[n // 2, 0], axis=1)
-    return int(np.clip(np.searchsorted(height, _PAST_BASE * base), 1, len(height) - 2))
+    return int(np.clip(np.searchsorted(height, _PAST_BASE * base), 2, len(height) - 2))
 
 
 def _outer_curve(given: GivenSection, section: Section, outer, shape: str, reach: float, end: np.ndarray) -> OuterCurve:

@@ -154,7 +154,7 @@ def o_grid(
     grid = StructuredGrid(given.to_space(points), names=names, periodic=(True, False, False))
     counts = {"around": grid.cell_shape[0], "layers": grid.cell_shape[1]}
     figures = {"first height": height, **({} if y_plus is None else {"y+": y_plus}), "largest growth": ratio}
-    return finished(grid, method, None, _CURE, counts, figures, warnings, part_of(progress, 0.8, 1.0))
+    return finished(grid, method, None, 0, _CURE, counts, figures, warnings, part_of(progress, 0.8, 1.0))
 
 
 def _chord(loop: np.ndarray) -> tuple[float, np.ndarray]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..errors import GenerationFailed, InvalidGeometry
@@ -18,6 +20,7 @@ def finished(
     grid: StructuredGrid,
     method: str,
     kept: np.ndarray | None,
+    past: int,
     cure: str,
     counts: dict[str, int],
     told: dict[str, float],
@@ -33,7 +36,9 @@ def finished(
     method : str
         It is smoothed if this is "elliptic".
     kept : (ni,) float, optional
-        How far, from 0 to 1, smoothing keeps the angles of the lines at j = 0, instead of making them right.
+        How far, from 0 to 1, smoothing keeps the angles of the lines at its wall, instead of making them right.
+    past : int
+        Layers that stay as they are, the last of which is smoothing's wall.
     cure : str
         What to do about folded cells.
     counts, told : dict
@@ -50,10 +55,14 @@ def finished(
     """
     history: dict = {}
     if method == "elliptic":
-        grid, report, more = smoothed(grid, _wall(grid, kept), cure, progress)
-        warnings = warnings + more
+        outside = replace(grid, points=grid.points[:, past:], cuts=() if past else grid.cuts)
+        outside, report, more = smoothed(outside, _wall(outside, kept), cure, progress)
+        grid = replace(grid, points=np.concatenate([grid.points[:, :past], outside.points], axis=1))
+        beyond = f"beyond the {past} layers that round the blunt edge: " if past else ""
+        warnings = warnings + [beyond + text for text in more]
         if report is not None:
-            told = {**told, **{name: value for name, value in report.quality.items() if name.startswith("error")}}
+            errors = {name: value for name, value in report.quality.items() if name.startswith("error") and not past}
+            told = {**told, **errors}  # of the layers that stay, what is reached is told below
             history = {"iterations": report.iterations, "residual": report.residual, "converged": report.converged}
             history["history"] = report.history
     advance(progress, 0.95, "checking the grid")
