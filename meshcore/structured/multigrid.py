@@ -34,6 +34,8 @@ PATIENCE = 5
 DAMPED = 0.3
 """Part of coarse corrections that is taken when whole ones do not help any more."""
 TINY = 1e-300
+GAINED = 0.9
+"""Part of the residual that a cycle must leave at most, for its moves to tell how far the solution is."""
 MIXED_FROM = 3
 """Cycle from which is accelerated, if the grid need only be close: most are done by then, and remembering costs."""
 CLOSE = 1e-3
@@ -300,6 +302,8 @@ def solve(
         residual = level.residual()
         if not residual <= GROWTH * outcome.residuals[-1]:
             residual, near = _relaxed(level, before, accelerator), False
+        # Small moves tell nothing of the distance where guarded corrections leave the residual as it was.
+        near = bool(near and residual <= GAINED * outcome.residuals[-1])
         outcome.residuals.append(residual)
         outcome.converged = near or residual <= goal
         advance(progress, (number + 1) / most, f"cycle {number + 1}: residual {residual:.1e}")

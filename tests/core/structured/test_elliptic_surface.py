@@ -351,3 +351,11 @@ def test_a_cone_that_is_folded_beside_its_apex_is_an_error_of_its_own():
     points[1:-1, 1:-1] += np.random.default_rng(1).normal(0, 0.004, points[1:-1, 1:-1].shape)
     with pytest.raises(GenerationFailed, match="folded or flat"):
         mc.elliptically_smoothed(mc.StructuredGrid(points[:, :, None]))
+
+
+def test_a_grid_that_hardly_moves_but_solves_nothing_is_not_called_converged():
+    """On a steep bump, corrections that would fold cells are cut short, and the residual stays where it was."""
+    x, y = np.meshgrid(np.linspace(0, 1, 33), np.linspace(0, 1, 33), indexing="ij")
+    bump = np.stack([x, y, 0.8 * (np.sin(np.pi * x) * np.sin(np.pi * y)) ** 2], axis=-1)
+    _, report = mc.elliptically_smoothed(mc.StructuredGrid(bump[:, :, None]))
+    assert not report.converged or report.residual < 1e-3
