@@ -15,6 +15,7 @@ from ..progress import Progress, advance, part_of, silent
 from ..report import Result
 from . import section_parameters as parameters
 from .far_field import OuterCurve, c_shape, given_outer, half_box
+from .folds import FLAT
 from .limits import check_size
 from .lines_out import geometric_lines
 from .section_front import BASE_CELLS, clockwise_front, respaced_section, wake_line
@@ -181,13 +182,14 @@ def _front(section: Section, length: float, cells: int | None, growth: float) ->
 
 
 def _past_base(front: _Front, points: np.ndarray) -> int:
-    """Layers of the transfinite grid that marches and smoothing keep: those that round a blunt base."""
+    """Layers of the transfinite grid that marches and smoothing keep: those that round a blunt base, if sound."""
     if not front.opened.shift.any():
         return 0
     n, wake = len(front.points), front.wake
     base = float(np.linalg.norm(front.points[wake] - front.points[wake + BASE_CELLS]))
     height = np.linalg.norm(points[n // 2] - points[n // 2, 0], axis=1)
-    return int(np.clip(np.searchsorted(height, _PAST_BASE * base), 2, len(height) - 2))
+    past = int(np.clip(np.searchsorted(height, _PAST_BASE * base), 2, len(height) - 2))
+    return past if (scaled_jacobians(points[:, : past + 1]) > FLAT).all() else 0
 
 
 def _outer_curve(given: GivenSection, section: Section, outer, shape: str, reach: float, end: np.ndarray) -> OuterCurve:

@@ -89,3 +89,18 @@ def test_the_wake_of_a_circle_goes_along_x():
         angle = np.linspace(0, 2 * np.pi, 41) + turn
         grid, _ = mc.c_grid(np.column_stack([np.cos(angle), np.sin(angle)]))
         assert grid.points[0, 0, 0, 0] > 10 and abs(grid.points[0, 0, 0, 1]) < 2
+
+
+@pytest.mark.parametrize("method", ["elliptic", "hyperbolic"])
+def test_layers_round_blunt_edges_are_kept_only_if_they_are_sound(method):
+    # A turbine blade on few points, whose straight lines cross beside what is taken for its trailing edge.
+    loop = BODIES["turbine"](np.random.default_rng([11, 3]))
+    grid, _ = mc.c_grid(np.vstack([loop, loop[:1]]), y_plus=1.0, reynolds=1.64e5, around=60, method=method)
+    assert scaled_jacobians(grid.points[:, :, 0, :2]).min() > 0
+
+
+@pytest.mark.parametrize("layers", [2, 3])
+@pytest.mark.parametrize("method", ["elliptic", "hyperbolic", "parabolic"])
+def test_few_layers_round_a_blunt_edge(method, layers):
+    grid, _ = mc.c_grid(gallery.airfoil("naca0012"), layers=layers, radius=2, first_height=0.3, method=method)
+    assert grid.cell_shape[1] == layers
