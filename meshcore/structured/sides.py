@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import product
+from itertools import permutations, product
 
 import numpy as np
 
@@ -244,16 +244,7 @@ def _joined(
 
     By the numbers of their points errors tell where.
     """
-
-    def gaps(turn: tuple[bool, ...]) -> np.ndarray:
-        s, e, n, w = (line[::-1] if back else line for back, line in zip(turn, lines.values(), strict=True))
-        pairs = ((s[0], w[0]), (s[-1], e[0]), (e[-1], n[-1]), (w[-1], n[0]))
-        return np.array([np.linalg.norm(a - b) for a, b in pairs])
-
-    # South first is not reversed, and of equal gaps the first is taken.
-    turns = sorted(product((False, True), repeat=4), key=sum)
-    best = min(turns, key=lambda turn: gaps(turn).max())
-    apart = gaps(best)
+    best, apart = _directed(tuple(lines.values()))
     if apart.max() > gap:
         name, end, other = (("south", 0, "west"), ("south", -1, "east"), ("east", -1, "north"), ("west", -1, "north"))[
             int(np.argmax(apart))
@@ -261,8 +252,8 @@ def _joined(
         end = -1 - end if best[NAMES.index(name)] else end
         x, y, z = lines[name][end]
         raise InvalidGeometry(
-            f"{name} and {other} end {apart.max():.6g} apart at ({x:.6g}, {y:.6g}, {z:.6g}); move their ends together, "
-            "or raise tolerance above that",
+            f"{name} and {other} end {apart.max():.6g} apart at ({x:.6g}, {y:.6g}, {z:.6g}); "
+            + (_fitting_order(lines, gap) or "move their ends together, or raise tolerance above that"),
             parameter=name,
             points=numbers[name][[end]] if name in numbers else (),
         )
@@ -272,3 +263,25 @@ def _joined(
     west[0], east[0], east[-1], west[-1] = south[0], south[-1], north[-1], north[0]
     reversed_ = [name for back, name in zip(best, lines, strict=True) if back]
     return dict(zip(NAMES, (south, east, north, west), strict=True)), reversed_
+
+
+def _directed(lines: Sequence[np.ndarray]) -> tuple[tuple[bool, ...], np.ndarray]:
+    """Which of south, east, north, west are to be reversed so that they meet best, and the gaps that are left."""
+
+    def gaps(turn: tuple[bool, ...]) -> np.ndarray:
+        s, e, n, w = (line[::-1] if back else line for back, line in zip(turn, lines, strict=True))
+        pairs = ((s[0], w[0]), (s[-1], e[0]), (e[-1], n[-1]), (w[-1], n[0]))
+        return np.array([np.linalg.norm(a - b) for a, b in pairs])
+
+    # South first is not reversed, and of equal gaps the first is taken.
+    best = min(sorted(product((False, True), repeat=4), key=sum), key=lambda turn: gaps(turn).max())
+    return best, gaps(best)
+
+
+def _fitting_order(lines: dict[str, np.ndarray], gap: float) -> str:
+    """What to do if the sides meet in another order than that given; else nothing."""
+    for rest in permutations(NAMES[1:]):
+        order = (NAMES[0], *rest)
+        if _directed([lines[name] for name in order])[1].max() <= gap:
+            return f"they meet in another order: give {', '.join(order)} as south, east, north, west"
+    return ""

@@ -1,5 +1,7 @@
 """Transfinite interpolation: sides kept, exact on what it is exact for, blind to naming, honest about overspill."""
 
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -300,3 +302,14 @@ def test_grids_too_large_for_the_memory(cells):
 def test_spacings_and_slopes_of_other_kinds_are_refused(keywords):
     with pytest.raises(InvalidInput, match=next(iter(keywords))):
         mc.transfinite(*WAVY, **keywords)
+
+
+@pytest.mark.parametrize("order", [(0, 2, 1, 3), (0, 1, 3, 2), (1, 0, 2, 3)])
+def test_sides_in_the_wrong_order_are_told_the_right_one(order):
+    sides = gallery.wavy_sides(8, 6)
+    with pytest.raises(InvalidGeometry, match="they meet in another order") as caught:
+        mc.transfinite(*(sides[k] for k in order))
+    right = re.search("give (.*) as south", str(caught.value))[1].split(", ")
+    asked = dict(zip(("south", "east", "north", "west"), (sides[k] for k in order), strict=True))
+    grid, _ = mc.transfinite(*(asked[name] for name in right))
+    assert grid.n_cells == 48
