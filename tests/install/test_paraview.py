@@ -16,6 +16,7 @@ import meshcore as mc
 from meshcore import install
 from meshcore.errors import InvalidInput, MeshcoreError
 from meshcore.install import host, packages, paraview, places
+from tests.display import DISPLAY
 from tests.install.homes import Home, new_home
 
 OTHER = r"  <Plugin name=\"Other\" filename=\"/opt/other.so\" auto_load=\"1\" />\n"
@@ -126,7 +127,7 @@ def test_the_window_loads_the_plugin_at_start_and_keeps_it(installed, tmp_path):
     shutil.copytree(installed.home.folder, home.folder, ignore=ignored, dirs_exist_ok=True)
     script, file = tmp_path / "window.py", tmp_path / "window.txt"
     script.write_text(WINDOW.format(file=str(file)))
-    command = ["xvfb-run", "-a", "paraview", f"--script={script}", "--exit", f"--test-directory={tmp_path}"]
+    command = [*DISPLAY, "paraview", f"--script={script}", "--exit", f"--test-directory={tmp_path}"]
     home.run(*command)
     assert wanted() <= set(file.read_text().split())
     file.unlink()
@@ -157,7 +158,7 @@ def test_other_pythons_are_left_alone(installed):
 
 
 def test_doctor_finds_it_in_order(installed):
-    words = ["xvfb-run", "-a", *installed.home.meshcore("--version").args[:3], "doctor", "--json"]
+    words = [*DISPLAY, *installed.home.meshcore("--version").args[:3], "doctor", "--json"]
     findings = json.loads(installed.home.run(*words).stdout)
     states = {row["check"]: row["state"] for row in findings if row["subject"].startswith("ParaView")}
     assert states == dict.fromkeys(["Python", "operations at start", "meshcore and numba", "picture"], "ok"), findings

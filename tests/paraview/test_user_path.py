@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from tests.display import DISPLAY
+
 from .conftest import assert_passed, checks_of
 
 SCRIPT = "user_path.py"
@@ -11,4 +13,4 @@ SCRIPT = "user_path.py"
 
 @pytest.mark.parametrize("check", checks_of(SCRIPT))
 def test_user_path(host, check):
-    assert_passed(host.run(SCRIPT, "xvfb-run", "-a", "pvpython"), check)
+    assert_passed(host.run(SCRIPT, *DISPLAY, "pvpython"), check)
