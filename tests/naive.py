@@ -668,14 +668,15 @@ def filled_box(points):
 
 
 def tangential_defects(points, tangents):
-    """(ni, nj, 2) of ``g_22 r_11 - 2 g_12 r_12 + g_11 r_22``: coefficients in the tangents, by least squares."""
+    """(ni, nj, 2) of ``g_22 r_11 - 2 g_12 r_12 + g_11 r_22``: in the tangents, less the grid's normal."""
     defects = np.zeros((*points.shape[:2], 2))
     for i, j in itertools.product(*(range(1, n - 1) for n in points.shape[:2])):
         p = points[i - 1 : i + 2, j - 1 : j + 2]
         by_i, by_j = (p[2, 1] - p[0, 1]) / 2, (p[1, 2] - p[1, 0]) / 2
         left = (by_j @ by_j) * (p[2, 1] - 2 * p[1, 1] + p[0, 1]) + (by_i @ by_i) * (p[1, 2] - 2 * p[1, 1] + p[1, 0])
         left -= 2 * (by_i @ by_j) * (p[2, 2] - p[2, 0] - p[0, 2] + p[0, 0]) / 4
-        defects[i, j] = np.linalg.lstsq(np.stack([t[i, j] for t in tangents], axis=-1), left, rcond=None)[0]
+        directions = [*(t[i, j] for t in tangents), np.cross(by_i, by_j)]
+        defects[i, j] = np.linalg.solve(np.stack(directions, axis=-1), left)[:2]
     return defects
 
 

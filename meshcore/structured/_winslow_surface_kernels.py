@@ -6,7 +6,15 @@ surfaces through a second-order differential-geometric model", J. Comput. Phys. 
     N = A (r_aa + P r_a) + B (r_bb + Q r_b) - 2 C r_ab,    A = g_22, B = g_11, C = g_12,
 
 must vanish. N is taken from the points themselves, so that the solution does not depend on the parameters (u, v);
-only the unknowns do. Arrays are flat, components one after another: points r (3 n), tangents t (S_u, then S_v: 6 n),
+only the unknowns do.
+
+What of N is tangential is told by the direction in which the rest points, and that is the grid's normal r_a x r_b, not
+the surface's at the node: both are the same but for O(h^2), yet the surface's turns as the node moves. Where it turns
+by much from one node to the next, as on top of a steep bump, that outweighs the neighbours' pull: the node is in
+unstable balance there, and more so on coarse grids. The grid's normal, like all of N but -2 (A + B) r, depends on
+the neighbours alone, who so hold the node wherever it is.
+
+Arrays are flat, components one after another: points r (3 n), tangents t (S_u, then S_v: 6 n),
 unknowns x, right sides f and control (2 n, the last may be empty); n = na nb, b fastest. In a cyclic grid the last row
 along a is the first: it has no equations, and the caller makes it follow the first.
 """
@@ -19,6 +27,8 @@ from .._numba import kernel
 
 U = np.uint64
 TINY = 1e-300
+LEAST_COSINE = 0.1
+"""Where the grid's normal is nearer to the surface's tangents, in folded starts, it gives way to the surface's."""
 
 
 @kernel
@@ -34,35 +44,70 @@ def neighbour_rows(a, shape, cyclic):
 
 
 @kernel
+def cross(v, w):
+    """The cross product of two vectors in space."""
+    return v[1] * w[2] - v[2] * w[1], v[2] * w[0] - v[0] * w[2], v[0] * w[1] - v[1] * w[0]
+
+
+@kernel
+def dot(v, w):
+    """The inner product of two vectors in space."""
+    return v[0] * w[0] + v[1] * w[1] + v[2] * w[2]
+
+
+@kernel
+def vector(v, p, n):
+    """The vector at node p."""
+    return v[U(p)], v[U(p + n)], v[U(p + 2 * n)]
+
+
+@kernel
+def centred(r, p, q, n):
+    """First difference across a node, from its neighbours p and q."""
+    v = vector(r, p, n)
+    w = vector(r, q, n)
+    return 0.5 * (w[0] - v[0]), 0.5 * (w[1] - v[1]), 0.5 * (w[2] - v[2])
+
+
+@kernel
+def operator(r, o, before, after, weights, ra, rb):
+    """One component of N, whose number at the node is o; ``weights`` are A, B, -2 C, A P and B Q."""
+    twice = 2.0 * r[U(o)]
+    raa = r[U(o + after)] - twice + r[U(o + before)]
+    rbb = r[U(o + 1)] - twice + r[U(o - 1)]
+    rab = 0.25 * (r[U(o + after + 1)] - r[U(o + after - 1)] - r[U(o + before + 1)] + r[U(o + before - 1)])
+    return weights[0] * raa + weights[1] * rbb + weights[2] * rab + weights[3] * ra + weights[4] * rb
+
+
+@kernel
 def equation(r, t, f, control, p, n, before, after):
     """At node p: A, B, and the two components of the defect ``tangential part of N - f``."""
-    A = B = C = 0.0
-    for q in range(3):
-        o = p + q * n
-        ra = 0.5 * (r[U(o + after)] - r[U(o + before)])
-        rb = 0.5 * (r[U(o + 1)] - r[U(o - 1)])
-        A += rb * rb
-        B += ra * ra
-        C += ra * rb
-    left_u = left_v = uu = uv = vv = 0.0
-    for q in range(3):
-        o = p + q * n
-        twice = 2.0 * r[U(o)]
-        left = (
-            A * (r[U(o + after)] - twice + r[U(o + before)])
-            + B * (r[U(o + 1)] - twice + r[U(o - 1)])
-            - 0.5 * C * (r[U(o + after + 1)] - r[U(o + after - 1)] - r[U(o + before + 1)] + r[U(o + before - 1)])
-        )
-        if len(control):
-            left += 0.5 * A * control[U(p)] * (r[U(o + after)] - r[U(o + before)])
-            left += 0.5 * B * control[U(p + n)] * (r[U(o + 1)] - r[U(o - 1)])
-        tu = t[U(o)]
-        tv = t[U(o + 3 * n)]
-        left_u += tu * left
-        left_v += tv * left
-        uu += tu * tu
-        uv += tu * tv
-        vv += tv * tv
+    ra = centred(r, p + before, p + after, n)
+    rb = centred(r, p - 1, p + 1, n)
+    A = dot(rb, rb)
+    B = dot(ra, ra)
+    C = dot(ra, rb)
+    P = control[U(p)] if len(control) else 0.0
+    Q = control[U(p + n)] if len(control) else 0.0
+    weights = (A, B, -2.0 * C, A * P, B * Q)
+    left = (
+        operator(r, p, before, after, weights, ra[0], rb[0]),
+        operator(r, p + n, before, after, weights, ra[1], rb[1]),
+        operator(r, p + 2 * n, before, after, weights, ra[2], rb[2]),
+    )
+    tu = vector(t, p, n)
+    tv = vector(t, p + 3 * n, n)
+    s = cross(tu, tv)
+    g = cross(ra, rb)
+    both = dot(s, g)
+    least = LEAST_COSINE * LEAST_COSINE * dot(s, s) * dot(g, g)
+    lift = dot(left, s) * both / (max(both * both, least) + TINY)
+    left = (left[0] - lift * g[0], left[1] - lift * g[1], left[2] - lift * g[2])
+    left_u = dot(tu, left)
+    left_v = dot(tv, left)
+    uu = dot(tu, tu)
+    uv = dot(tu, tv)
+    vv = dot(tv, tv)
     area = uu * vv - uv * uv + TINY
     du = (vv * left_u - uv * left_v) / area
     dv = (uu * left_v - uv * left_u) / area

@@ -14,7 +14,7 @@ CURE = (
     "cells, or split the patch where the surface has a sharp ridge"
 )
 _OFF = 0.4
-"""Distance of a cell's middle from a surface of facets, in cell sizes, from which on it is told: half across a wall."""
+"""Distance of the middle of a cell or edge from a surface of facets, in its size, that is told: half across a wall."""
 
 
 def folded_on(surface: FacetedSurface, points: np.ndarray) -> np.ndarray:
@@ -51,10 +51,7 @@ def checked_on(surface: FacetedSurface, grid: StructuredGrid, cure: str) -> list
     """
     points = grid.points[:, :, 0]
     refuse_folds(grid, cure, folded_on(surface, points))
-    middle = 0.25 * (points[:-1, :-1] + points[1:, :-1] + points[1:, 1:] + points[:-1, 1:])
-    diagonals = points[1:, 1:] - points[:-1, :-1], points[1:, :-1] - points[:-1, 1:]
-    size = np.maximum(*(np.linalg.norm(diagonal, axis=-1) for diagonal in diagonals))
-    off = surface.closest(middle.reshape(-1, 3)).distance.reshape(size.shape) > _OFF * size
+    middle, off = _off(surface, points)
     if not off.any():
         return []
     i, j = np.argwhere(off)[0]
@@ -64,6 +61,22 @@ def checked_on(surface: FacetedSurface, grid: StructuredGrid, cure: str) -> list
         f"({x:.6g}, {y:.6g}, {z:.6g}): they cut off a sharp ridge or cross from one sheet to another; give more cells, "
         "or split the patch there"
     ]
+
+
+def _off(surface: FacetedSurface, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The cells' middles; and which cells leave a surface, there or in the middle of an edge: long ones may by that."""
+    middle = 0.25 * (points[:-1, :-1] + points[1:, :-1] + points[1:, 1:] + points[:-1, 1:])
+    diagonals = points[1:, 1:] - points[:-1, :-1], points[1:, :-1] - points[:-1, 1:]
+    off = _away(surface, middle, np.maximum(*(np.linalg.norm(diagonal, axis=-1) for diagonal in diagonals)))
+    along, across = (
+        _away(surface, 0.5 * (low + high), np.linalg.norm(high - low, axis=-1))
+        for low, high in ((points[:-1], points[1:]), (points[:, :-1], points[:, 1:]))
+    )
+    return middle, off | along[:, 1:] | along[:, :-1] | across[1:] | across[:-1]
+
+
+def _away(surface: FacetedSurface, points: np.ndarray, size: np.ndarray) -> np.ndarray:
+    return surface.closest(points.reshape(-1, 3)).distance.reshape(size.shape) > _OFF * size
 
 
 def put_on(surface: FacetedSurface, grid: StructuredGrid, gap: float, what: str) -> tuple[StructuredGrid, list[str]]:

@@ -88,6 +88,15 @@ def test_acceleration_needs_far_fewer_cycles_and_ends_at_the_solution():
     assert level.residual() < 1e-3 * plain.residual()
 
 
+def test_small_moves_that_leave_the_residual_as_it_was_are_no_convergence():
+    level = Linear(30)
+    level.rates = np.full(30, 1e-4)
+    with Workers(1) as workers:
+        outcome = solve([level], most=1, workers=workers)
+    assert outcome.error < 1e-3 and outcome.residuals[-1] > 0.9 * outcome.residuals[-2]
+    assert not outcome.converged
+
+
 @pytest.mark.parametrize(("dtype", "accuracy"), [(np.float32, 1e-5), (np.float64, 1e-12)])
 def test_acceleration_is_least_squares_of_the_last_changes(dtype, accuracy):
     rng = np.random.default_rng(11)

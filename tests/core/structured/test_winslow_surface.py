@@ -7,7 +7,7 @@ from meshcore.geometry.surfaces import ParametricSurface, SplineSurface
 from meshcore.structured import _winslow_surface_kernels as kernels
 from meshcore.structured.surface_levels import corner_jacobians
 from meshcore.structured.winslow_3d import solved as solved_in_space
-from meshcore.structured.winslow_surface import solved
+from meshcore.structured.winslow_surface import smoothed, solved
 from tests import naive
 
 
@@ -55,6 +55,32 @@ def test_the_converged_grid_obeys_the_slow_twin():
         points, tangents = surface.points(*np.moveaxis(x, -1, 0)), surface.tangents(*np.moveaxis(x, -1, 0))
         assert abs(naive.tangential_defects(points, tangents)).max() < 1e-13
         assert (np.abs(corner_jacobians(x)) > 0).all()
+
+
+def test_where_the_grid_stands_upright_on_the_surface_the_defect_is_along_the_surfaces_normal():
+    """As in folded starts: there the grid's own normal tells nothing."""
+    x, y = np.meshgrid([0.0, 1, 2.2], [0.0, 1.3, 2], indexing="ij")
+    points, along = np.stack([x, 1e-4 * y, y], axis=-1), np.tile([1.0, 0.2, 0], (3, 3, 1))
+    tangents = np.concatenate([along, np.tile([0, 1.0, 0], (3, 3, 1))], axis=-1)
+    r, t = (np.moveaxis(a, -1, 0).ravel() for a in (points, tangents))
+    d = np.zeros(18)
+    kernels.defect(r, t, np.zeros(18), np.zeros(0), (3, 3), False, d)
+    du = -0.2  # of r_aa = 0.2 along x, times A = 1
+    np.testing.assert_allclose(d.reshape(2, 3, 3)[:, 1, 1], [du, -0.2 * du], atol=0.02)
+
+
+@pytest.mark.parametrize(("n", "height"), [(17, 0.45), (17, 0.8), (17, 2.0), (33, 0.8), (33, 2.0), (65, 1.2)])
+def test_steep_bumps_converge_and_stay_symmetric(n, height):
+    """On top, the surface turns by more than a right angle from one node to the next: nodes must not slip off."""
+    x, y = np.meshgrid(np.linspace(0, 1, n), np.linspace(0, 1, n), indexing="ij")
+    bump = np.stack([x, y, height * (np.sin(np.pi * x) * np.sin(np.pi * y)) ** 2], axis=-1)
+    _, quick = smoothed(bump)
+    assert quick.converged and quick.cycles < 6
+    found, outcome = smoothed(bump, tolerance=1e-8)
+    assert outcome.converged and outcome.cycles < 15
+    for mirrored in (found[::-1] * [-1, 1, 1] + [1, 0, 0], found.swapaxes(0, 1)[..., [1, 0, 2]]):
+        assert abs(found - mirrored).max() < 1e-6
+    assert abs(found[n // 2, n // 2] - [0.5, 0.5, height]).max() < 1e-6
 
 
 def test_mercator_is_the_elliptic_grid_of_the_sphere():
