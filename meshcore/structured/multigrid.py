@@ -293,6 +293,7 @@ def solve(
             step, since = DAMPED, len(outcome.residuals) - 1
             accelerator.forget()
         before[...] = level.x
+        cut = outcome.guarded
         cycle(levels, 0, outcome, step)
         moves.append(level.largest_move(before))
         outcome.error = _remaining(moves)
@@ -302,8 +303,8 @@ def solve(
         residual = level.residual()
         if not residual <= GROWTH * outcome.residuals[-1]:
             residual, near = _relaxed(level, before, accelerator), False
-        # Small moves tell nothing of the distance where guarded corrections leave the residual as it was.
-        near = bool(near and residual <= GAINED * outcome.residuals[-1])
+        # Small moves tell nothing of the distance where corrections were cut, or leave the residual as it was.
+        near = bool(near and outcome.guarded == cut and residual <= GAINED * outcome.residuals[-1])
         outcome.residuals.append(residual)
         outcome.converged = near or residual <= goal
         advance(progress, (number + 1) / most, f"cycle {number + 1}: residual {residual:.1e}")

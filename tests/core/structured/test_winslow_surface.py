@@ -83,6 +83,15 @@ def test_steep_bumps_converge_and_stay_symmetric(n, height):
     assert abs(found[n // 2, n // 2] - [0.5, 0.5, height]).max() < 1e-6
 
 
+def test_small_moves_tell_nothing_while_coarse_corrections_are_cut():
+    x, y = np.meshgrid(np.linspace(0, 1, 65), np.linspace(0, 1, 25), indexing="ij")
+    peak = np.stack([x, y, np.exp(-60 * ((x - 0.35) ** 2 + (y - 0.6) ** 2))], axis=-1)
+    found, quick = smoothed(peak)
+    exact, outcome = smoothed(peak, tolerance=1e-9)
+    assert outcome.converged
+    assert not quick.converged or abs(found - exact).max() < 1e-4
+
+
 def test_mercator_is_the_elliptic_grid_of_the_sphere():
     errors = []
     for n in (12, 24, 48):
