@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Literal
 
 import numpy as np
@@ -10,7 +9,7 @@ import numpy as np
 from ..errors import GenerationFailed, InvalidGeometry, InvalidInput
 from ..geometry.curves import Curve, polyline
 from ..mesh import StructuredGrid
-from ..operation import Length, Param, Port, Relative, absolute, operation
+from ..operation import Length, Param, Port, Relative, operation
 from ..progress import Progress, advance, part_of, silent
 from ..quality import summary, validate
 from ..report import Report, Result
@@ -22,13 +21,13 @@ from .fronts import Front, read_front, stop_told
 from .hyperbolic_march import Dissipation, Marched, layer_heights, marched
 from .limits import check_size
 from .marching_ends import Along, End, Free, Mirror, OnCurve, Splay
+from .marching_parameters import FirstHeightParam, GrowthParam, LargestHeightParam, LayersParam, asked_heights
 from .outer_points import outer_points
 
 __all__ = ["hyperbolic", "layer_heights", "marched"]
 
 EndChoice = Literal["free", "plane", "constant x", "constant y", "curve", "splay"]
 _CURE = "give the front more points where it bends, or march less far"
-_LAYERS = Param("Layers; by default as many as the distance needs", min=1, soft_max=500, group="Layers")
 _END = "What the open front's {} point does: go freely, meet a plane of symmetry, keep x or y, follow a curve, lean out"
 
 
@@ -48,17 +47,13 @@ def hyperbolic(
         Port("Curve to end at where the march cannot go on", cells=("line",), named=True),
     ] = None,
     *,
-    first_height: Annotated[Length, Param("Height of the first layer", group="Layers")] = Relative(0.001),
-    growth: Annotated[
-        float, Param("Height of each layer over the one before", min=1, max=3, soft_max=1.5, group="Layers")
-    ] = 1.15,
-    layers: Annotated[int | None, _LAYERS] = None,
+    first_height: FirstHeightParam = Relative(0.001),
+    growth: GrowthParam = 1.15,
+    layers: LayersParam = None,
     distance: Annotated[
         Length | None, Param("Sum of the heights; by default the front's own size, or what layers make", group="Layers")
     ] = None,
-    largest_height: Annotated[
-        Length | None, Param("Heights grow up to this; by default without limit", group="Layers")
-    ] = None,
+    largest_height: LargestHeightParam = None,
     other_side: Annotated[
         bool, Param("March to the other side: into a closed front, or to the right of an open one")
     ] = False,
@@ -181,16 +176,7 @@ def _asked_heights(given, ready, first_height, growth, layers, distance, largest
         if given.ndim == 2 and ready.reversed:
             given = np.roll(given[:, ::-1], 1, axis=1) if ready.closed else given[:, ::-1]
         return given
-    if layers is None and distance is None:
-        distance = Relative(1.0)
-    lengths = [None if length is None else absolute(length, ready.diagonal) for length in (distance, largest)]
-    return layer_heights(
-        absolute(first_height, ready.diagonal),
-        growth,
-        layers=layers,
-        distance=lengths[0],
-        largest=math.inf if lengths[1] is None else lengths[1],
-    )
+    return asked_heights(first_height, growth, layers, distance, largest, diagonal=ready.diagonal)
 
 
 def _ends(ready: Front, choices: tuple[str, str], curves: tuple, splay: float) -> tuple[End, End]:

@@ -9,7 +9,7 @@ import numpy as np
 from ..errors import GenerationFailed, InvalidInput
 from ..geometry.curves import Curve, polyline
 from ..mesh import StructuredGrid
-from ..operation import Length, Param, Port, Relative, absolute, operation
+from ..operation import Param, Port, Relative, absolute, operation
 from ..progress import Progress, advance, part_of, silent
 from ..quality import summary, validate
 from ..report import Report, Result
@@ -17,6 +17,7 @@ from ..sizing import Spacing, cells_for_growth, geometric
 from .folds import refuse_folds
 from .fronts import Front, read_front, stop_told
 from .limits import check_size
+from .marching_parameters import FirstHeightParam
 from .outer_points import outer_points
 from .parabolic_march import marched
 
@@ -40,7 +41,7 @@ def parabolic(
         Curve | None, Port("Side from the front's last point to the outer curve", cells=("line",), named=True)
     ] = None,
     *,
-    first_height: Annotated[Length, Param("Height of the first layer", group="Layers")] = Relative(0.001),
+    first_height: FirstHeightParam = Relative(0.001),
     growth: Annotated[
         float, Param("Largest growth of heights, that sets the number of layers", min=1.001, max=3, group="Layers")
     ] = 1.15,
