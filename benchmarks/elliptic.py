@@ -20,10 +20,10 @@ from meshcore import gallery, io
 from meshcore._numba import kernel
 from meshcore.geometry.curves import polyline
 from meshcore.sizing import geometric
-from meshcore.structured.barrier import unfolded, weak_cells
-from meshcore.structured.transfinite import interpolated
-from meshcore.structured.wall_control import FEWEST_CELLS, Wall, controlled, measured
-from meshcore.structured.winslow import CUT, Frame, levels_of, orientation, winslow
+from meshcore.structured.algebraic.transfinite import interpolated
+from meshcore.structured.poisson.barrier import unfolded, weak_cells
+from meshcore.structured.poisson.wall_control import FEWEST_CELLS, Wall, controlled, measured
+from meshcore.structured.poisson.winslow import CUT, Frame, levels_of, orientation, winslow
 from meshcore.threads import Workers
 
 TOLERANCE = 1e-8

@@ -13,8 +13,8 @@ from _common import Target, arguments, print_heading, print_row, taken_alternate
 from meshcore import quality
 from meshcore.mesh import StructuredGrid
 from meshcore.structured import elliptic_volume
-from meshcore.structured.blending import blended
-from meshcore.structured.winslow_3d import count_folded, solved
+from meshcore.structured.algebraic.blending import blended
+from meshcore.structured.poisson.winslow_3d import count_folded, solved
 
 ON_ONE = {1e-4: Target(1.5, at_most=True), 1e-8: Target(3.0, at_most=True)}
 ON_TWO = {1e-4: Target(1.5, 0.75, at_most=True), 1e-8: Target(3.0, 1.5, at_most=True)}

@@ -20,8 +20,8 @@ from meshcore.geometry.curves import polyline
 from meshcore.mesh import StructuredGrid
 from meshcore.quality import line_angle
 from meshcore.sizing.around_loop import respaced_loop
-from meshcore.structured.hyperbolic_march import Marched, layer_heights, marched
-from meshcore.structured.winslow import winslow
+from meshcore.structured.marching.hyperbolic_march import Marched, layer_heights, marched
+from meshcore.structured.poisson.winslow import winslow
 
 LAYERS, REACH, FIRST = 100, 15.0, 1e-5
 CONSTRUCT2D = {"naca0012": 17.3, "rae2822": 17.7, "ag35": 19.9, "e387": 25.5, "s1223": 51.2, "ls417mod": 23.4}

@@ -15,9 +15,9 @@ from _common import Target, arguments, print_heading, print_row, taken_alternate
 
 import meshcore as mc
 from meshcore import gallery, quality
-from meshcore.structured.layer_marching import marched
-from meshcore.structured.layer_surface import read_surface
-from meshcore.structured.marching_parameters import asked_heights
+from meshcore.structured.marching.layer_marching import marched
+from meshcore.structured.marching.layer_surface import read_surface
+from meshcore.structured.marching.marching_parameters import asked_heights
 
 SPEED = Target(0.5, 1.0)  # million points a second; the aim is meant for two threads
 EVEN = Target(1.3, at_most=True)

@@ -15,8 +15,8 @@ from itertools import product
 import numpy as np
 from _common import Target, arguments, of_turns, print_heading, print_row, taken_alternately
 
-from meshcore.structured.block_faces import PLACES
-from meshcore.structured.transfinite_volume import interpolated_volume
+from meshcore.structured.algebraic.block_faces import PLACES
+from meshcore.structured.algebraic.transfinite_volume import interpolated_volume
 
 CELLS = [127, 255]
 ONE, TWO = Target(6, at_most=True), Target(6, 2, at_most=True)

@@ -139,7 +139,7 @@ def in_order(sides: list[Source]) -> list[Source]:
     """
     if len(sides) < 3:
         return sides
-    from meshcore.structured.one_boundary import order_around
+    from meshcore.structured.algebraic.one_boundary import order_around
 
     return [sides[k] for k in order_around([_ends(side.mesh) for side in sides])]
 

@@ -12,8 +12,8 @@ from pathlib import Path
 import meshcore as mc
 from meshcore import gallery, quality
 from meshcore.picture import picture
-from meshcore.structured.blending import blended
-from meshcore.structured.winslow_3d import count_folded, solved
+from meshcore.structured.algebraic.blending import blended
+from meshcore.structured.poisson.winslow_3d import count_folded, solved
 
 
 def main(folder="out"):

@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 
 from ..mesh import Mesh, StructuredGrid
-from ..structured.blending import blended
+from ..structured.algebraic.blending import blended
 
 
 def twisted_cage(n: int = 8, m: int = 6, layers: int = 5) -> Mesh:

@@ -10,7 +10,7 @@ from ..errors import GenerationFailed
 from ..mesh import StructuredGrid, topology
 from ..mesh.extent import extents
 from ..quality.block import is_sound
-from .control_functions import poles
+from .poisson.control_functions import poles
 
 FLAT = 1e-12
 """Sine of a corner's angle below which the corner counts as flat: round-off of coordinates near 1."""

@@ -10,7 +10,7 @@ from vtkmodules.vtkCommonDataModel import vtkStructuredGrid
 
 import meshcore
 from meshcore import gallery
-from meshcore.structured.quad_nets import grid_of
+from meshcore.structured.algebraic.quad_nets import grid_of
 
 load_plugin()
 

@@ -1,0 +1,336 @@
+"""Layers of planar hyperbolic grids: dissipation, the implicit step, and what is done where a layer would fold.
+
+The survey's equations (2.7.1), orthogonality and area, linearised about the last layer, read in the frame of the
+front's tangent t and normal n, with spacing s along the front and height h (J. L. Steger, D. S. Chaussee, SIAM J. Sci.
+Stat. Comput. 1 (1980); W. M. Chan, J. L. Steger, Appl. Math. Comput. 51 (1992)):
+
+    d + (1 + theta) (h / s) (t n' + n t') d_xi - e d_xixi = n V / s + e r_xixi,      d = r(next layer) - r
+
+with differences of the index xi, and a dissipation e given at each point. The area V is h s, times a share for the mean
+bending of the front and for what dissipation takes from it, so that a circle gives the polar grid.
+"""
+
+import math
+
+from ..._numba import kernel
+from ._block_tridiagonal_kernels import solve
+from ._collision_kernels import collisions
+from ._marching_front_kernels import (
+    ALONG,
+    CLOSED,
+    MIRROR,
+    ON_CURVE,
+    SPLAY,
+    TINY,
+    copy,
+    fill,
+    frame_of,
+    ghosts,
+    means,
+    smoothed,
+    worst_corner,
+)
+
+THIN = 2.4  # turn (radians) from which on an edge is so thin that its line must keep to the bisector for a layer
+CAP = 0.2  # share of the height that dissipation may take at convex corners
+PULL = 64.0  # heights by which dissipation may draw a front out of a bay in a step
+CONCAVE = 0.2  # left turn (radians) from which on flat cells have all of the dissipation, too
+THICK = 0.8  # aspect ratio, height over length, from which on cells have most of the dissipation
+LEANING = 12  # lines beside an end that lean like it
+SPREAD = 4  # passes that smooth the dissipation along the front
+PARABOLIC = 1.0  # weight of the elliptic equation's r_xixi |r_eta|^2 / |r_xi|^2 on the way to an outer front
+FLAT = 1e-9  # sine of a corner's angle below which a cell counts as folded
+SOUND = 0.05  # sine from which on a layer is taken as it is
+ATTEMPTS = 7  # each with twice as many steps
+# Rows of the scratch array, of n + 4 columns; those of vectors and SPARE are the first of two and of four.
+SPACING, TURN, HEIGHT, DISSIPATION, TURNED, BOOST, ASKED, CORNERS, LEAD = range(9)
+TANGENT, START, BEST, PIN, TOWARDS, SPARE, ROWS = 9, 11, 13, 15, 17, 19, 23
+
+
+@kernel
+def march(out, heights, outer, kind, frame, curves, reached, base, theta, r, d, scratch, blocks, info, first, last):
+    """Layers ``first`` to ``last`` of a grid, out[j + 1] from out[j]; returns how many there are then.
+
+    A layer that folds, or comes near to it, is tried again in twice as many steps, with more dissipation where it was.
+
+    Parameters
+    ----------
+    out : (layers + 1, 2, n)
+        The fronts.
+    heights : (layers, 1 or n)
+        Thickness of each layer; with an outer front, the share of the way to it that the layer ends at.
+    outer : (2, n) or (2, 0)
+        The front to end at, if there is one: from the wall on, orthogonality and areas give way to a parabolic
+        equation, which smooths along the front while lines head for their points on the outer one.
+    kind : (2,)
+        Conditions at the ends, with their numbers in ``frame`` (2, 2) and ``curves`` (2, m, 3): x, y, and the length up
+        to there, with an outer front as a share of the whole.
+    reached : (2,)
+        How far along their curves the ends are.
+    base, theta : float
+        Dissipation in units of the cells' aspect ratio, and implicitness beyond Euler's.
+    r, d, scratch, blocks
+        (2, n + 4), (n, 2), (ROWS, n + 4) and (4, n, 4) numbers of scratch.
+    info : (2,) int
+        Counts layers that were split; the cell at which the march ended.
+    """
+    n = d.shape[0]
+    boost, corners = scratch[BOOST], scratch[CORNERS]
+    start, best, pin = scratch[START : START + 2], scratch[BEST : BEST + 2], scratch[PIN : PIN + 2]
+    closed = kind[0] == CLOSED
+    before = 1.0
+    for j in range(first, last):
+        load(out[j], start)
+        best_possible = pin_thin_edges(start, kind, frame, scratch, pin)
+        for k in range(n + 4):
+            boost[k] = 0.0
+        least, fault, steps = -2.0, 0, 1
+        for attempt in range(ATTEMPTS):
+            copy(start, r)
+            for part in range(steps):
+                ask(r, heights, outer, j, part, steps, kind, scratch)
+                step(r, kind, frame, curves, reached, part + 1, base, theta, d, scratch, blocks)
+                for k in range(n):
+                    r[0, k + 2] += d[k, 0]
+                    r[1, k + 2] += d[k, 1]
+            if outer.shape[1] and j == heights.shape[0] - 1:
+                load(outer, r)
+            for k in range(n):
+                d[k, 0] = r[0, k + 2] - start[0, k + 2]
+                d[k, 1] = r[1, k + 2] - start[1, k + 2]
+            worst, place = worst_corner(start, d, closed, corners)
+            if worst > least:
+                least, fault = worst, place
+                copy(r, best)
+            if least > min(SOUND, 0.7 * before, 0.7 * best_possible) or (attempt > 3 and least > FLAT):
+                break
+            steps *= 2
+            strengthen(boost, corners, closed, attempt, steps)
+        if steps > 1:
+            info[0] += 1
+        if not least > FLAT:
+            info[1] = fault
+            return j
+        before = least
+        for end in range(2):
+            reached[end] += heights[j, 0 if end == 0 else heights.shape[1] - 1]
+        for k in range(n):
+            out[j + 1, 0, k], out[j + 1, 1, k] = best[0, k + 2], best[1, k + 2]
+    return last
+
+
+@kernel
+def ask(r, heights, outer, j, part, steps, kind, scratch):
+    """Heights of one step of a layer, and with an outer front how far lines head for it, and which way."""
+    asked, lead = scratch[ASKED], scratch[LEAD]
+    n, columns = asked.size - 4, heights.shape[1]
+    for k in range(n):
+        g = k + 2
+        if outer.shape[1] == 0:
+            asked[g] = heights[j, k % columns] / steps
+            continue
+        before = heights[j - 1, k % columns] if j > 0 else 0.0
+        share = (heights[j, k % columns] - before) / steps
+        at = before + part * share
+        x, y = outer[0, k] - r[0, g], outer[1, k] - r[1, g]
+        distance = math.sqrt(x * x + y * y) + TINY
+        asked[g] = distance * share / (1 - at)
+        lead[g] = at + share
+        scratch[TOWARDS, g], scratch[TOWARDS + 1, g] = x / distance, y / distance
+    fill(asked, kind)
+
+
+@kernel
+def load(layer, front):
+    """Copy a layer (2, n) to a front without ghosts."""
+    for k in range(layer.shape[1]):
+        front[0, k + 2], front[1, k + 2] = layer[0, k], layer[1, k]
+
+
+@kernel
+def pin_thin_edges(start, kind, frame, scratch, pin):
+    """Directions of lines that leave thin edges, zero elsewhere: beside a cusp only its bisector gives sound cells.
+
+    Returns the sine of the corners there, which no line can better.
+    """
+    least = 1.0
+    t, turn = scratch[TANGENT : TANGENT + 2], scratch[TURN]
+    ghosts(start, kind, frame)
+    frame_of(start, t, scratch[SPACING], turn)
+    for k in range(2, turn.size - 2):
+        thin = turn[k] < -THIN
+        pin[0, k] = -t[1, k] if thin else 0.0
+        pin[1, k] = t[0, k] if thin else 0.0
+        if thin:
+            least = min(least, math.cos(0.5 * turn[k]))
+    return least
+
+
+@kernel
+def strengthen(boost, corners, closed, attempt, steps):
+    """More dissipation, shared by the steps, around cells that are nearly folded; each attempt reaches farther."""
+    n = boost.size - 4
+    reach = min(4 * 2 ** min(attempt, 4), n // 2 - 1)
+    strength = 0.5 * 2.0**attempt / steps
+    for k in range(n):
+        if not corners[k + 2] > SOUND:
+            for q in range(k - reach, k + reach + 2):
+                to = q
+                if closed:
+                    to = q + n if q < 0 else q - n if q >= n else q
+                if 0 <= to < n:
+                    boost[to + 2] = max(boost[to + 2], strength)
+
+
+@kernel
+def step(r, kind, frame, curves, reached, part, base, theta, d, scratch, blocks):
+    """Displacement ``d`` (n, 2) of a front by one step; ``part`` counts the steps of a layer."""
+    n = d.shape[0]
+    t = scratch[TANGENT : TANGENT + 2]
+    s, turn, h, e, asked = scratch[SPACING], scratch[TURN], scratch[HEIGHT], scratch[DISSIPATION], scratch[ASKED]
+    closed = kind[0] == CLOSED
+    ghosts(r, kind, frame)
+    frame_of(r, t, s, turn)
+    dissipation(r, kind, base, scratch)
+    mean_s, mean_turn = means(s, turn, closed)
+    sine, half = math.sin(-mean_turn), 2 * math.sin(-0.5 * mean_turn)
+    lower, diagonal, upper, fill_in = blocks[0], blocks[1], blocks[2], blocks[3]
+    for k in range(n):
+        g = k + 2
+        tx, ty, eps, free = t[0, g], t[1, g], e[g], 1 - scratch[LEAD, g]
+        a = 0.5 * (1 + theta) * h[g] / s[g] * free
+        m0, m1, m3 = -2 * tx * ty * a, (tx * tx - ty * ty) * a, 2 * tx * ty * a
+        lower[k, 0], lower[k, 1], lower[k, 2], lower[k, 3] = -m0 - eps, -m1, -m1, -m3 - eps
+        upper[k, 0], upper[k, 1], upper[k, 2], upper[k, 3] = m0 - eps, m1, m1, m3 - eps
+        diagonal[k, 0], diagonal[k, 1], diagonal[k, 2], diagonal[k, 3] = 1 + 2 * eps, 0.0, 0.0, 1 + 2 * eps
+        bend = h[g] / mean_s
+        lost = base * weight(bend, mean_turn) * half * (1 + bend * half)
+        forward = h[g] * max(0.5, 1 + (1 + theta) * bend * sine + lost) * free
+        ahead = h[g] * (1 - free)
+        d[k, 0] = -ty * forward + scratch[TOWARDS, g] * ahead + eps * (r[0, g + 1] - 2 * r[0, g] + r[0, g - 1])
+        d[k, 1] = tx * forward + scratch[TOWARDS + 1, g] * ahead + eps * (r[1, g + 1] - 2 * r[1, g] + r[1, g - 1])
+    for k in range(n):
+        x, y = scratch[PIN, k + 2], scratch[PIN + 1, k + 2]
+        if x != 0 or y != 0:
+            given_row(k, x * asked[k + 2], y * asked[k + 2], lower, diagonal, upper, d)
+    if not closed:
+        for end in range(2):
+            end_row(end, kind[end], frame[end], scratch, lower, diagonal, upper, d)
+            k = 0 if end == 0 else n - 1
+            if kind[end] == ON_CURVE:
+                lead = scratch[LEAD, k + 2]
+                x, y = point_at(curves[end], lead if lead > 0 else reached[end] + part * asked[k + 2])
+                given_row(k, x - r[0, k + 2], y - r[1, k + 2], lower, diagonal, upper, d)
+            if kind[end] == ALONG:
+                side = h[k + 2] if -t[1, k + 2] * frame[end, 0] + t[0, k + 2] * frame[end, 1] > 0 else -h[k + 2]
+                lean(end, side * frame[end, 0], side * frame[end, 1], scratch, d)
+            elif kind[end] == ON_CURVE or kind[end] == SPLAY:
+                lean(end, d[k, 0], d[k, 1], scratch, d)
+    solve(lower, diagonal, upper, d, closed, fill_in)
+
+
+@kernel
+def dissipation(r, kind, base, scratch):
+    """Heights that shrink before collisions, and dissipation: by aspect ratio, by collisions, and where asked for.
+
+    At convex corners it may take no more than a share of the height.
+    """
+    t = scratch[TANGENT : TANGENT + 2]
+    s, turn, h, e = scratch[SPACING], scratch[TURN], scratch[HEIGHT], scratch[DISSIPATION]
+    asked, boost, turned, spare = scratch[ASKED], scratch[BOOST], scratch[TURNED], scratch[SPARE]
+    n = h.size - 4
+    run = 0.0
+    for k in range(2, n + 2):
+        run += turn[k]
+        turned[k] = run
+    collisions(r, t, turned, asked, kind[0] == CLOSED, e, h, scratch[SPARE : SPARE + 4])
+    smoothed(e, spare, kind, SPREAD)
+    for k in range(2, n + 2):
+        h[k] *= asked[k]
+        aspect, lead = h[k] / s[k], scratch[LEAD, k]
+        e[k] = (1 - lead) * (
+            e[k] + base * weight(aspect, turn[k]) * aspect + PARABOLIC * lead * aspect * aspect + boost[k]
+        )
+        x = r[0, k + 1] - 2 * r[0, k] + r[0, k - 1]
+        y = r[1, k + 1] - 2 * r[1, k] + r[1, k - 1]
+        inward = t[1, k] * x - t[0, k] * y
+        if inward > 0:
+            e[k] = min(e[k], CAP * weight(aspect, turn[k]) * h[k] / inward)
+        elif inward < 0:
+            e[k] = min(e[k], PULL * asked[k] / -inward)
+
+
+@kernel(inline=True)
+def weight(aspect, turn):
+    """The share of dissipation that cells have: flat ones little, so that first heights are kept, but where concave."""
+    concave = min(1.0, max(0.0, turn / CONCAVE))
+    return (aspect + THICK * concave) / (aspect + THICK)
+
+
+@kernel
+def given_row(k, x, y, lower, diagonal, upper, d):
+    """Replace the equations of a point by a given displacement."""
+    for c in range(4):
+        lower[k, c], upper[k, c], diagonal[k, c] = 0.0, 0.0, 0.0
+    diagonal[k, 0], diagonal[k, 3] = 1.0, 1.0
+    d[k, 0], d[k, 1] = x, y
+
+
+@kernel
+def end_row(end, kind, direction, scratch, lower, diagonal, upper, d):
+    """Put the condition of an open front's end into its equations."""
+    k = 0 if end == 0 else d.shape[0] - 1
+    outside, inside = (lower, upper) if end == 0 else (upper, lower)
+    x, y = direction[0], direction[1]
+    if kind == MIRROR:  # the ghost's displacement is the mirror image of the neighbour's
+        r0, r1, r3 = 2 * x * x - 1, 2 * x * y, 2 * y * y - 1
+        o0, o1, o2, o3 = outside[k, 0], outside[k, 1], outside[k, 2], outside[k, 3]
+        inside[k, 0] += o0 * r0 + o1 * r1
+        inside[k, 1] += o0 * r1 + o1 * r3
+        inside[k, 2] += o2 * r0 + o3 * r1
+        inside[k, 3] += o2 * r1 + o3 * r3
+        return
+    g = k + 2
+    tx, ty, h = scratch[TANGENT, g], scratch[TANGENT + 1, g], scratch[HEIGHT, g]
+    if kind == SPLAY:  # leaning outwards by the angle of cosine x and sine y
+        out = -y if end == 0 else y
+        given_row(k, h * (out * tx - x * ty), h * (out * ty + x * tx), lower, diagonal, upper, d)
+    elif kind == ALONG:  # along a direction, as far as the neighbour
+        given_row(k, 0.0, 0.0, lower, diagonal, upper, d)
+        inside[k, 0], inside[k, 1], inside[k, 2], inside[k, 3] = -x * x, -x * y, -x * y, -y * y
+    else:  # free: normal to the front, drawn towards what the neighbour does
+        a = h / scratch[SPACING, g]
+        given_row(k, -ty * h, tx * h, lower, diagonal, upper, d)
+        diagonal[k, 0], diagonal[k, 3] = 1 + a, 1 + a
+        inside[k, 0], inside[k, 3] = -a, -a
+
+
+@kernel
+def lean(end, x, y, scratch, d):
+    """Let the lines beside an end lean like it, the less the farther they are, or they would run into each other."""
+    n = d.shape[0]
+    k = 0 if end == 0 else n - 1
+    h = scratch[HEIGHT, k + 2]
+    x, y = x + h * scratch[TANGENT + 1, k + 2], y - h * scratch[TANGENT, k + 2]
+    for q in range(1, min(LEANING, n // 2)):
+        share = (1 - q / LEANING) ** 2
+        to = k + q if end == 0 else k - q
+        d[to, 0] += share * x
+        d[to, 1] += share * y
+
+
+@kernel
+def point_at(curve, length):
+    """The point of a polyline (x, y, length) at a length; beyond its end on its straight continuation."""
+    low, high = 0, curve.shape[0] - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if curve[middle, 2] <= length:
+            low = middle
+        else:
+            high = middle
+    share = (length - curve[low, 2]) / (curve[high, 2] - curve[low, 2])
+    return (
+        curve[low, 0] + share * (curve[high, 0] - curve[low, 0]),
+        curve[low, 1] + share * (curve[high, 1] - curve[low, 1]),
+    )

@@ -1,0 +1,283 @@
+"""Layers of hexahedra and wedges marched from a surface (survey 2.7.1)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Annotated, Union
+
+import numpy as np
+
+from ...errors import GenerationFailed, InvalidGeometry
+from ...mesh import Mesh, MultiBlock, StructuredGrid
+from ...operation import Param, Port, Relative, operation
+from ...progress import Progress, advance, part_of, silent
+from ...quality import summary, validate
+from ...report import Report, Result
+from ...threads import checked_threads
+from ..limits import check_size
+from .front_crossing import clear_layers, crossing_node, emptied_layer
+from .front_edges import EdgeChoice, Side, held_edges
+from .front_graph import FrontGraph, at
+from .layer_marching import Outcome, first_normals, marched
+from .layer_surface import LayerSurface, read_surface
+from .marching_parameters import (
+    DistanceParam,
+    FirstHeightParam,
+    GrowthParam,
+    LargestHeightParam,
+    LayersParam,
+    SplayParam,
+    asked_heights,
+)
+
+CONCAVE = 20.0
+"""Degrees by which faces bend towards each other where the surface counts as concave."""
+CONVEX = 1.0
+"""Degrees up to which a surface counts as convex, and its layers cannot meet."""
+_CURE = "give the surface more points there, ask for less distance, or round the corner"
+
+
+@operation("Extrude Hyperbolic", category="Structured", output="as given")
+def hyperbolic_volume(
+    surface: Annotated[
+        Union[Mesh, StructuredGrid, MultiBlock],
+        Port("The surface to march from: triangles and quads, closed or open", cells=("triangle", "quad")),
+    ],
+    *,
+    first_height: FirstHeightParam = Relative(0.001),
+    growth: GrowthParam = 1.15,
+    layers: LayersParam = None,
+    distance: DistanceParam = None,
+    largest_height: LargestHeightParam = None,
+    other_side: Annotated[bool, Param("March into a closed surface, or to the back of an open one")] = False,
+    edges: Annotated[
+        EdgeChoice,
+        Param("What edges of an open surface do: planes of symmetry found, or all alike", group="Edges"),
+    ] = "automatic",
+    splay: SplayParam = 15.0,
+    threads: int | None = None,
+    progress: Progress = silent,
+) -> Result:
+    """March layers of hexahedra and wedges off a surface, at right angles and with given heights.
+
+    The surface's points are kept exactly. Grids, blocks and meshes are glued into one front of nodes with their
+    neighbours around, so corners of three, five or more patches and triangles are like any other place. Closed
+    surfaces are marched outwards, open ones to the side from which their faces are counter-clockwise. No parameter
+    needs a choice: dissipation finds concave corners by itself, and layers that would fold are made in smaller steps.
+
+    ::
+
+           _____________
+          /  _________  \\
+         /  /         \\  \\      each layer of nodes is a copy of the surface's:
+        |  |  surface  |  |     quads become hexahedra, triangles wedges
+         \\  \\_________/  /
+          \\_____________/
+
+    Parameters
+    ----------
+    surface : Mesh, StructuredGrid or MultiBlock
+        Quads and triangles in space; blocks share their edges point by point. Points that coincide are glued, faces
+        turned alike, closed surfaces that face inwards turned; the report tells.
+    first_height : Length
+        Height of the first layer.
+    growth : float
+        Each height over the one before. With a distance and no number of layers, the largest that is allowed.
+    layers : int, optional
+        Number of layers.
+    distance : Length, optional
+        Sum of the heights. With `layers`, growth follows from both.
+    largest_height : Length, optional
+        Heights stay below.
+    other_side : bool
+        March into a closed surface, or to the back of an open one.
+    edges : {"automatic", "free", "plane", "constant x", "constant y", "constant z", "splay"}
+        What the edges of an open surface do. "automatic" finds planes of symmetry: sides in a plane that the surface
+        meets within 30 degrees of a right angle; other sides are free. "constant x" keeps x at all edges.
+    splay : float
+        Degrees by which edges that splay lean outwards.
+    threads : int, optional
+        How many threads share the work; all available cores if not given. The layers do not depend on it.
+    progress : Progress, optional
+        Called with fraction and message.
+
+    Returns
+    -------
+    Result
+        From a `StructuredGrid` (ni, nj, 1) one of (ni, nj, layers + 1), whose faces kmin and kmax are "wall" and
+        "outer"; from a `MultiBlock` one of such blocks; from a `Mesh` one of "hexahedron" and "wedge" cells, with the
+        number of the layer in ``cell_data["layer"]``. If the march had to stop it has fewer layers, `converged` is
+        False, a warning says at which point, layer and concavity, and ``cell_data["stopped"]`` marks the cells there.
+
+    Raises
+    ------
+    InvalidInput
+        If heights do not fit each other, or edges are spoken of that are not there.
+    InvalidGeometry
+        If the surface has edges of more than two faces, one side only, or flat faces; `points` says where.
+    GenerationFailed
+        If not even one layer could be made.
+
+    Notes
+    -----
+    Lines orthogonal to the layers, and cell volumes of height times area, give each step along the normals, which are
+    weighted so that they are radial on spheres. The front is then smoothed implicitly. Dissipation is in proportion to
+    a cell's height over its width, acts in whole where the front is concave or narrows, and grows with the distance,
+    so that it rounds corners alike at all distances. Near corners heights differ from what was asked.
+
+    References
+    ----------
+    Survey, section 2.7.1. W. M. Chan, J. L. Steger, "Enhancements of a three-dimensional hyperbolic grid generation
+    scheme", Appl. Math. Comput. 51 (1992).
+
+    Examples
+    --------
+    >>> from meshcore import gallery
+    >>> mesh, report = hyperbolic_volume(gallery.bumpy_ball(), first_height=0.01, layers=10)
+    >>> mesh, report.converged
+    (Mesh(1782 points, 3200 wedge), True)
+    """
+    checked_threads(threads)
+    ready = read_surface(surface, other_side=other_side)
+    graph = ready.graph
+    diagonal = float(np.linalg.norm(np.ptp(graph.points, axis=0)))
+    check_size(len(graph.points), 1 if layers is None else layers + 1, parameter="layers")
+    heights = asked_heights(first_height, growth, layers, distance, largest_height, diagonal=diagonal)
+    check_size(len(graph.points), len(heights) + 1, parameter="layers")
+    hold, sides = held_edges(graph, first_normals(graph), edges, splay)
+    made, outcome = marched(graph, heights, hold=hold, threads=threads, progress=part_of(progress, 0.0, 0.8))
+    advance(progress, 0.8, "checking the layers")
+    made = _without_crossings(ready, made, heights, outcome)
+    warnings = [*ready.warnings, *_told_edges(graph, sides, edges)]
+    if outcome.stopped_at >= 0:
+        warnings.append(_told_stop(graph, made, outcome, len(heights)))
+        if len(made) == 1:
+            raise GenerationFailed(f"no layer could be made: {warnings[-1]}")
+    return _reported(ready, made, heights, outcome, warnings)
+
+
+def _without_crossings(ready: LayerSurface, made: np.ndarray, heights: np.ndarray, outcome: Outcome) -> np.ndarray:
+    """The layers up to where the front meets itself, or fronts of several surfaces meet."""
+    graph = ready.graph
+    if ready.is_closed and not ready.inwards and not graph.part.any() and not is_concave(graph):
+        return made  # convex: layers widen forever
+    if ready.is_closed and ready.inwards and (left := emptied_layer(graph, made)) < len(made):
+        step = np.linalg.norm(made[left] - made[left - 1], axis=1)
+        outcome.stopped_at, outcome.why = int(np.argmax(step)), "would fill more than the inside, seen"
+        made = made[:left]
+    if len(made) == 1:
+        return made
+    distance = np.concatenate([[0.0], np.cumsum(heights[: len(made) - 1])])
+    clear, node = clear_layers(graph, made, distance)
+    if node < 0:
+        return made
+    if clear == 0 and (node := crossing_node(graph, graph.points)) >= 0:
+        raise InvalidGeometry(
+            f"passes through itself near {at(graph.points[node])}; separate or unite its parts",
+            parameter="surface",
+            points=np.flatnonzero(ready.number == node),
+        )
+    outcome.stopped_at, outcome.why = node, "would meet another part of the front"
+    return made[: clear + 1]
+
+
+def _reported(
+    ready: LayerSurface, made: np.ndarray, heights: np.ndarray, outcome: Outcome, warnings: list[str]
+) -> Result:
+    count = len(made) - 1
+    result = ready.layered(made)
+    blocks = result.blocks if isinstance(result, MultiBlock) else (result,)
+    if not isinstance(result, Mesh):  # whose corners were all tested, and whose facets are those of the surface
+        for block in blocks:
+            validate(block)
+    quality = {
+        "first height": float(heights[0]),
+        "total height": float(heights[:count].sum()),
+        "worst corner (degree)": math.degrees(math.asin(min(outcome.worst, 1.0))),
+        **({} if isinstance(result, Mesh) else _summary(blocks)),
+    }
+    counts = {
+        "points": sum(block.n_points for block in blocks),
+        "cells": sum(block.n_cells for block in blocks),
+        "layers": count,
+    }
+    if outcome.steps > count:
+        counts["steps"] = outcome.steps
+    if outcome.stopped_at >= 0:
+        quality.update(
+            {f"stopped at {axis}": float(x) for axis, x in zip("xyz", made[-1, outcome.stopped_at], strict=True)}
+        )
+        result = ready.marked(result, outcome.stopped_at)
+    report = Report(
+        counts=counts, quality=quality, iterations=outcome.sweeps, residual=outcome.residual,
+        converged=outcome.stopped_at < 0, warnings=warnings,
+    )  # fmt: skip
+    return Result(result, report)
+
+
+def _summary(blocks: Sequence[StructuredGrid]) -> dict[str, float]:
+    """The blocks' quality together: worst of the worst, mean of the means."""
+    found, cells = [summary(block) for block in blocks], [block.n_cells for block in blocks]
+    return {
+        name: min(q[name] for q in found)
+        if name.startswith("worst")
+        else float(np.average([q[name] for q in found], weights=cells))
+        for name in found[0]
+    }
+
+
+def _told_edges(graph: FrontGraph, sides: list[Side], choice: EdgeChoice) -> list[str]:
+    """What was found at the edges of an open surface, if it was left to us."""
+    if choice != "automatic" or not sides:
+        return []
+    planes = sum(side.plane is not None for side in sides)
+    if planes == len(sides):
+        return []
+    first = next(side for side in sides if side.plane is None)
+    return [
+        f"the surface is open: {planes} of its {len(sides)} edges stay in planes of symmetry, the others are free, "
+        f"the first near {at(graph.points[first.nodes[0]])}; close holes, or choose what edges do"
+    ]
+
+
+def _told_stop(graph: FrontGraph, made: np.ndarray, outcome: Outcome, asked: int) -> str:
+    """The warning of a march that stopped: where, and why."""
+    node = outcome.stopped_at
+    bend, place = concavity(graph, graph.points[node])
+    why = f"; nearest concavity: an inner angle of {180 - bend:.0f} degrees at {at(place)}" if bend else ""
+    return (
+        f"stopped after {len(made) - 1} of {asked} layers: layer {len(made)} {outcome.why} near {at(made[-1, node])}, "
+        f"above the surface's point {at(graph.points[node])}{why}; {_CURE}"
+    )
+
+
+def concavity(graph: FrontGraph, place: np.ndarray) -> tuple[float, np.ndarray]:
+    """Degrees by which the faces at the nearest concave edge bend towards each other, and its place; 0 if none is."""
+    angle, middle = _bends(graph)
+    concave = np.flatnonzero(angle > CONCAVE)
+    if not len(concave):
+        return 0.0, place
+    nearest = concave[np.argmin(((middle[concave] - place) ** 2).sum(axis=1))]
+    return float(angle[nearest]), middle[nearest]
+
+
+def is_concave(graph: FrontGraph) -> bool:
+    """Whether faces bend towards each other anywhere."""
+    return bool((_bends(graph)[0] > CONVEX).any())
+
+
+def _bends(graph: FrontGraph) -> tuple[np.ndarray, np.ndarray]:
+    """Degrees by which the two faces at each edge inside bend towards each other, and the edge's middle."""
+    count = np.diff(graph.start)
+    node = np.repeat(np.arange(len(count)), count)
+    k = np.arange(len(graph.ring)) - graph.start[node]
+    before = graph.ring[graph.start[node] + (k - 1) % count[node]]
+    after = graph.ring[graph.start[node] + (k + 1) % count[node]]
+    edge, left, right = (graph.points[n] - graph.points[node] for n in (graph.ring, after, before))
+    one, two = np.cross(right, edge), np.cross(edge, left)
+    length = np.linalg.norm(edge, axis=1)
+    sine = np.einsum("ij,ij->i", np.cross(one, two), edge) / length
+    angle = np.degrees(np.arctan2(sine, np.einsum("ij,ij->i", one, two)))
+    inner = (graph.opened[node] == 0) | ((k > 0) & (k < count[node] - 1))
+    return angle[inner], (graph.points[node] + 0.5 * edge)[inner]

@@ -1,0 +1,238 @@
+"""Layers marched from a surface, one from the other: the hyperbolic equations on a graph of nodes (survey 2.7.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...progress import Progress, advance, silent
+from ...threads import Workers, available_threads
+from . import _layer_kernels as kernels
+from .front_edges import Hold, free_edges
+from .front_graph import FrontGraph
+
+STRENGTHS = ((10.0, 5.0), (1.0, 0.1), (40.0, 20.0))
+"""Coefficients of dissipation: what does for most surfaces, then less, for thin edges, and more, for deep corners."""
+NARROWEST = 0.3
+"""Steps are split where a corner of the front would keep less than this part of its area."""
+SWEEPS, ENOUGH = 80, 1e-3
+"""Iterations of a step's equations at most, and their last change, in units of the step's height."""
+HALVINGS = 2
+"""How often a folded layer is tried again, with twice the steps and the dissipation."""
+SOUND = 1e-4
+"""Least sine of a cell's corner."""
+STUCK = 0.1
+"""Part of a layer's height that each node must have moved by."""
+NODES_A_THREAD = 2000
+_MOST_STEPS = 200
+
+
+@dataclass
+class Outcome:
+    """How a march went.
+
+    Attributes
+    ----------
+    steps, sweeps : int
+        Steps and iterations that were done.
+    residual : float
+        Largest last change of the iterations of a step, in units of its height.
+    worst : float
+        Least sine of a cell's corner.
+    stopped_at : int
+        Node where the next layer could not be made, or -1.
+    why : str
+        What it would have done there.
+    """
+
+    steps: int = 0
+    sweeps: int = 0
+    residual: float = 0.0
+    worst: float = 1.0
+    stopped_at: int = -1
+    why: str = "would fold"
+
+
+def first_normals(graph: FrontGraph) -> np.ndarray:
+    """(n, 3) float: unit normals of the surface at its nodes."""
+    hold, normal = free_edges(graph), np.empty_like(graph.points)
+    ring = (graph.start, graph.ring, graph.opened)
+    kernels.normals(0, len(normal), graph.points, *ring, hold.row, hold.projectors, normal)
+    return normal
+
+
+def marched(
+    graph: FrontGraph,
+    heights: Sequence[float],
+    *,
+    hold: Hold | None = None,
+    threads: int | None = None,
+    progress: Progress = silent,
+) -> tuple[np.ndarray, Outcome]:
+    """The layers of a surface, as many as can be without a folded cell.
+
+    Each node moves along the front's normal, so that lines are orthogonal to layers, by the layer's height, so that
+    cells have the volume of height times area. Then the front is smoothed implicitly, see
+    `_layer_kernels.dissipation`.
+
+    Parameters
+    ----------
+    graph : FrontGraph
+        The surface.
+    heights : sequence of float
+        Heights of the layers, from the surface.
+    hold : Hold, optional
+        What edges may do; by default they are free.
+    threads : int, optional
+        By default as many as there are cores; layers do not depend on it.
+    progress : Progress, optional
+        Called with fraction and message.
+
+    Returns
+    -------
+    layers : (k + 1, n, 3) float
+        The surface and its layers.
+    outcome : Outcome
+    """
+    best: tuple[np.ndarray, Outcome] | None = None
+    with Workers(threads or available_threads()) as workers:
+        for base, growing in STRENGTHS:
+            march = _March(graph, hold or free_edges(graph), workers, base, growing)
+            layers = march.all(heights, progress)
+            if best is None or len(layers) > len(best[0]):
+                best = layers, march.outcome
+            if len(layers) == len(heights) + 1:
+                break
+    return best
+
+
+@dataclass
+class _March:
+    """A front on its way."""
+
+    graph: FrontGraph
+    hold: Hold
+    workers: Workers
+    base: float
+    growing: float
+    outcome: Outcome = field(default_factory=Outcome)
+
+    def __post_init__(self) -> None:
+        graph = self.graph
+        n, k = len(graph.points), len(graph.ring)
+        self.topology = (graph.start, graph.ring, graph.opened)
+        self.held = (self.hold.row, self.hold.projectors)
+        self.leaning = np.flatnonzero(self.hold.free) if self.hold.splay else np.empty(0, np.int64)
+        self.normal, self.ahead, self.right, self.old, self.new = (np.zeros((n, 3)) for _ in range(5))
+        self.strength, self.narrow, self.worst, self.zone, self.new_zone = (np.zeros(n) for _ in range(5))
+        self.weight, self.ratio, self.now = (np.zeros(k) for _ in range(3))
+        ends = np.repeat(graph.points, np.diff(graph.start), axis=0)
+        self.spacing = np.linalg.norm(graph.points[graph.ring] - ends, axis=1)
+        self._find_normals(graph.points)
+        self._run(kernels.ring_weights, graph.points, self.normal, *self.topology, self.hold.free, self.weight)
+
+    def all(self, heights: Sequence[float], progress: Progress) -> np.ndarray:
+        """(k + 1, n, 3): the surface and all layers that are sound."""
+        layers = np.empty((len(heights) + 1, *self.graph.points.shape))
+        layers[0] = self.graph.points
+        distance = 0.0
+        for k, height in enumerate(heights):
+            advance(progress, k / len(heights), f"layer {k + 1} of {len(heights)}")
+            if not self._layer(layers[k], layers[k + 1], height, distance):
+                self.outcome.stopped_at = int(np.argmin(self.worst))
+                return layers[: k + 1].copy()
+            distance += height
+        return layers
+
+    def _layer(self, below: np.ndarray, above: np.ndarray, height: float, distance: float) -> bool:
+        """Fill ``above`` with the next layer; False if cells would fold."""
+        zone = self.zone.copy()
+        for halving in range(HALVINGS + 1):
+            self.zone[:] = zone
+            front, done, steps = below, 0.0, 0
+            while done < 1 - 1e-9 and steps < _MOST_STEPS:
+                part = min(1 - done, 0.5**halving)
+                front, part = self._step(front, height, part, distance + done * height, 2.0**halving)
+                done += part
+                steps += 1
+            self.outcome.steps += steps
+            above[:] = front
+            self._run(kernels.corner_volumes, STUCK * height, below, above, *self.topology, self.worst)
+            if done >= 1 - 1e-9 and self.worst.min() > SOUND:
+                self.outcome.worst = min(self.outcome.worst, float(self.worst.min()))
+                return True
+        return False
+
+    def _step(
+        self, front: np.ndarray, height: float, part: float, distance: float, factor: float
+    ) -> tuple[np.ndarray, float]:
+        """The front after at most that part of a layer's height, and the part that was done."""
+        self._find_normals(front)
+        for _ in range(8):
+            np.multiply(self.normal, part * height, out=self.ahead)
+            self.ahead += front
+            self._run(kernels.narrowing, front, self.ahead, *self.topology, self.narrow)
+            least = self.narrow.min()
+            if least >= NARROWEST:
+                break
+            part *= max(0.1, min(0.9, (1 - NARROWEST) / (1 - least)))
+        step = part * height
+        self._run(
+            kernels.dissipation, step, distance + step, factor * self.base, factor * self.growing, self.ahead,
+            self.normal, *self.topology, *self.held, self.hold.free, self.weight, self.spacing, self.ratio, self.now,
+            self.zone, self.new_zone, self.strength, self.right,
+        )  # fmt: skip
+        self.zone, self.new_zone = self.new_zone, self.zone
+        self._solve(ENOUGH * step)
+        return self.ahead + self.old, part
+
+    def _solve(self, enough: float) -> None:
+        """Find the corrections of a step, in ``old``."""
+        self.old[:] = 0
+        self.new[:] = 0
+        strongest = float(self.strength.max())
+        squared = (strongest / (1 + strongest)) ** 2
+        omega, accelerated, last = 1.0, True, np.inf
+        for k in range(SWEEPS):
+            change = max(
+                self._run(
+                    kernels.sweep, omega, self.graph.start, self.graph.ring, *self.held, self.now, self.strength,
+                    self.right, self.old, self.new,
+                )
+            )  # fmt: skip
+            self.old, self.new = self.new, self.old
+            self.outcome.sweeps += 1
+            if change <= enough:
+                break
+            # Weights that are not symmetric may have complex eigenvalues; Jacobi's iteration converges always.
+            accelerated &= k == 0 or change <= 1.2 * last
+            last = change
+            omega = 1.0 if not accelerated else 1 / (1 - squared / (2 if k == 0 else 4 / omega))
+        self.outcome.residual = max(self.outcome.residual, change / enough * ENOUGH)
+
+    def _find_normals(self, front: np.ndarray) -> None:
+        self._run(kernels.normals, front, *self.topology, *self.held, self.normal)
+        if len(self.leaning):
+            self._lean(front)
+
+    def _lean(self, front: np.ndarray) -> None:
+        """Turn the normals on free edges outwards."""
+        nodes, ring, start = self.leaning, self.graph.ring, self.graph.start
+        along = front[ring[start[nodes]]] - front[ring[start[nodes + 1] - 1]]
+        outwards = np.cross(along, self.normal[nodes])
+        outwards /= np.linalg.norm(outwards, axis=1, keepdims=True)
+        angle = np.radians(self.hold.splay)
+        self.normal[nodes] = np.cos(angle) * self.normal[nodes] + np.sin(angle) * outwards
+
+    def _run(self, kernel: Callable[..., float | None], *arguments: object) -> list[float | None]:
+        """Call a kernel on all nodes, shared by threads; what each part returned."""
+        n, returned = len(self.graph.points), []
+        self.workers.run(
+            lambda first, last: returned.append(kernel(first, last, *arguments)),
+            0,
+            n,
+            most=max(1, n // NODES_A_THREAD),
+        )
+        return returned

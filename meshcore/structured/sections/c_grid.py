@@ -1,0 +1,237 @@
+"""C-grids: one block round a section and along both sides of its wake (survey 2.8.1, figure 12)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Annotated
+
+import numpy as np
+
+from ...geometry.curves import Curve
+from ...geometry.section import Section
+from ...mesh import Cut, StructuredGrid
+from ...operation import Param, Port, Relative, absolute, operation
+from ...progress import Progress, advance, part_of, silent
+from ...report import Result
+from ..folds import FLAT
+from ..limits import check_size
+from . import section_parameters as parameters
+from .far_field import OuterCurve, c_shape, given_outer, half_box
+from .lines_out import geometric_lines
+from .section_front import BASE_CELLS, clockwise_front, respaced_section, wake_line
+from .section_input import GivenSection, section_loop
+from .section_march import lines_by
+from .section_result import finished, scaled_jacobians
+from .unwrapped import Unwrapped, paths, unwrapped
+
+_CURE = "make the section smoother or thinner, give more points around it, or take o_grid"
+_BENDS = (0.3, 0.1, 0.03)
+_EVENNESS = (0.7, 0.4, 1.0)
+_PAST_BASE = 3.0
+"""Heights over the section, in halves of a blunt base, from which on marches do not see its corners."""
+_NAMES = {"imin": "outflow", "imax": "outflow", "jmin": "wall", "jmax": "far field"}
+
+
+@operation("C Grid", category="Structured", output="grid")
+def c_grid(
+    section: parameters.SectionPort,
+    outer: Annotated[Curve | None, Port("An open far field, its ends beside the wake's end", cells=("line",))] = None,
+    *,
+    far_field: Annotated[parameters.OpenFarField, Param("Shape of the far field: a C, or a box with corners")] = "C",
+    radius: parameters.RadiusParam = 10.0,
+    method: parameters.MethodParam = "transfinite",
+    first_height: parameters.FirstHeightParam = Relative(0.001),
+    y_plus: parameters.YPlusParam = None,
+    reynolds: parameters.ReynoldsParam = 1e6,
+    growth: parameters.GrowthParam = 1.15,
+    layers: parameters.LayersParam = None,
+    around: parameters.AroundParam = None,
+    leading_spacing: parameters.LeadingParam = None,
+    trailing_spacing: parameters.TrailingParam = None,
+    wake: parameters.WakeParam = None,
+    wake_cells: parameters.WakeCellsParam = None,
+    wake_growth: parameters.WakeGrowthParam = 1.2,
+    progress: Progress = silent,
+) -> Result:
+    """Wrap a C-grid of quadrilaterals around a section and its wake.
+
+    The grid's j = 0 runs from the outflow along the wake to the trailing edge, clockwise round the section, and back
+    along the wake, whose two sides are one line: a cut, which the grid knows. The trailing edge may be sharp, a cusp,
+    or blunt; the wake of a blunt one begins in the middle of its base.
+
+    ::
+
+             .--------------------.      i runs from the outflow below the wake round the section to that above it;
+           /     .-----.          |      j runs out: jmin is the "wall" between the two sides of the cut "wake",
+          |     ( wing  >---------|      jmax the "far field", imin and imax the "outflow"
+           \\     '-----'          |
+             '--------------------'
+
+    Parameters
+    ----------
+    section : Mesh or (n, 3) float
+        The closed loop, in a plane of any attitude. A narrow gap at the trailing edge is closed.
+    outer : Mesh or (m, 3) float, optional
+        A far field of your own: an open curve round the section, from beside the wake's end to beside it.
+    far_field : {"C", "box"}
+        The far field if there is no `outer`.
+    radius : float
+        Distance of the far field from mid-chord, in chords. The chord reaches from the trailing edge to the point
+        farthest from it.
+    method : {"transfinite", "elliptic", "hyperbolic", "parabolic"}
+        Lines by interpolation between section and far field; that grid smoothed by the elliptic equations, with right
+        angles and first heights held; marched off at right angles, the far field being where the march arrives; or
+        marched onto the far field. Where straight lines cross, lines of the parabolic march take their place.
+    first_height : Length
+        Distance of the first points from the section, and from the wake.
+    y_plus : float, optional
+        The first height in wall units instead, by the friction of a flat plate at `reynolds`.
+    reynolds : float
+        Reynolds number of the chord.
+    growth : float
+        Heights grow from cell to cell by no more than this factor, if `layers` is left out.
+    layers : int, optional
+        Cells along j. The growth then follows.
+    around : int, optional
+        Cells round the section, which is then resampled on a spline: densely where it bends, with its corners kept.
+    leading_spacing, trailing_spacing : Length, optional
+        Sizes of the cells at the nose and at the trailing edge.
+    wake : float, optional
+        Length of the wake along the chord's direction, in chords.
+    wake_cells : int, optional
+        Cells along the wake.
+    wake_growth : float
+        Cells grow along the wake by no more than this factor, if `wake_cells` is left out.
+    progress : Progress, optional
+        Called with fraction and message.
+
+    Returns
+    -------
+    Result
+        `StructuredGrid` of (ni, nj, 1) points with its cut, and the report.
+
+    Raises
+    ------
+    InvalidInput
+        If a length does not fit.
+    InvalidGeometry
+        If the section is open, crosses itself, is not in a plane, or without area; `points` tells where.
+    GenerationFailed
+        If cells are folded; `cells` and `partial` show where.
+
+    Notes
+    -----
+    The grid is transfinite between the front and the far field in the plane of a square root, which opens both into
+    nearly straight lines (Jameson's parabolic coordinates), with lines normal to the section.
+
+    References
+    ----------
+    Survey, section 2.8.1 (figure 12). A. Jameson, "Iterative solution of transonic flows over airfoils and wings",
+    Comm. Pure Appl. Math. 27 (1974).
+
+    Examples
+    --------
+    >>> from meshcore import gallery
+    >>> grid, report = c_grid(gallery.airfoil("rae2822"), radius=5, first_height=1e-4)
+    >>> grid.cuts[0].name, grid.names["jmin"]
+    ('wake', 'wall')
+    """
+    given = section_loop(section)
+    lead, trail = (None if x is None else absolute(x, given.diagonal) for x in (leading_spacing, trailing_spacing))
+    if around is not None:
+        check_size(around + 1, (layers or 1) + 1, parameter="around")
+    shape = respaced_section(Section.of(given.loop), around, lead, trail)
+    reach = radius * shape.chord
+    height = parameters.wall_height(first_height, y_plus, reynolds, shape.loop, shape.chord, given.diagonal, reach)
+    front = _front(shape, (wake or radius) * shape.chord, wake_cells, wake_growth)
+    curve = _outer_curve(given, shape, outer, far_field, reach, front.end)
+    advance(progress, 0.1, "choosing lines")
+    points, ratio = _best(front, curve, np.full(len(front.points), height), layers, growth, part_of(progress, 0.1, 0.5))
+    warnings = list(given.warnings)
+    step, past = part_of(progress, 0.5, 0.6), _past_base(front, points)
+    method, points, told = lines_by(method, points, closed=False, progress=step, kept=past)
+    warnings += told
+    n = len(points) - 1
+    points[n - front.wake :, 0] = points[front.wake :: -1, 0]  # the cut, to the last bit
+    cut = Cut(((0, 0, 0), (front.wake, 0, 0)), ((n, 0, 0), (n - front.wake, 0, 0)), (-1, -2, 3), name="wake")
+    grid = StructuredGrid(given.to_space(points), names=_NAMES, cuts=(cut,))
+    counts = {"around": n - 2 * front.wake, "wake": front.wake, "layers": grid.cell_shape[1]}
+    figures = {"first height": height, **({} if y_plus is None else {"y+": y_plus}), "largest growth": ratio}
+    kept = np.ones(len(points)) if past else None  # lines fan out there
+    return finished(grid, method, kept, past, _CURE, counts, figures, warnings, part_of(progress, 0.6, 1.0))
+
+
+@dataclass(frozen=True)
+class _Front:
+    """The inner boundary of a C-grid, in its plane and unwrapped."""
+
+    points: np.ndarray
+    wake: int
+    end: np.ndarray
+    opened: Unwrapped
+
+
+def _front(section: Section, length: float, cells: int | None, growth: float) -> _Front:
+    around, base = clockwise_front(section)
+    ends = np.linalg.norm(np.diff(around[[0, 1, -2, -1]], axis=0)[::2], axis=1)
+    line = wake_line(section, length, cells, float(ends.mean()), growth)
+    wake = len(line) - 1
+    points = np.vstack([line[:0:-1], around, line[1:]])
+    opened = unwrapped(points, wake, section.focus, section.tail - section.nose, base)
+    return _Front(points, wake, line[-1], opened)
+
+
+def _past_base(front: _Front, points: np.ndarray) -> int:
+    """Layers of the transfinite grid that marches and smoothing keep: those that round a blunt base, if sound."""
+    if not front.opened.shift.any():
+        return 0
+    n, wake = len(front.points), front.wake
+    base = float(np.linalg.norm(front.points[wake] - front.points[wake + BASE_CELLS]))
+    height = np.linalg.norm(points[n // 2] - points[n // 2, 0], axis=1)
+    past = int(np.clip(np.searchsorted(height, _PAST_BASE * base), 2, len(height) - 2))
+    return past if (scaled_jacobians(points[:, : past + 1]) > FLAT).all() else 0
+
+
+def _outer_curve(given: GivenSection, section: Section, outer, shape: str, reach: float, end: np.ndarray) -> OuterCurve:
+    ahead = 0.5 * (section.nose + section.tail) - reach * section.direction
+    if outer is not None:
+        return OuterCurve.ahead_of(given_outer(outer, given.plane, section, closed=False), section)
+    return OuterCurve((c_shape if shape == "C" else half_box)(section, reach, end), ahead)
+
+
+def _best(
+    front: _Front, curve: OuterCurve, heights: np.ndarray, layers: int | None, growth: float, progress: Progress
+) -> tuple[np.ndarray, float]:
+    """Points, and growth, of the family's soundest grid."""
+    best, chosen = np.inf, None
+    tries = [(evenness, bend) for evenness in _EVENNESS for bend in _BENDS]
+    for number, (evenness, bend) in enumerate(tries):
+        advance(progress, number / len(tries), "choosing lines")
+        stop = _ends(front, curve, evenness)
+        levels = np.concatenate([[0.0], np.geomspace(1e-4, 1, 24)])
+        t = np.broadcast_to(levels, (len(stop), len(levels)))
+        sound = scaled_jacobians(front.opened.wrap(paths(front.opened, stop, bend, t)))
+        worst = float(sound.min())
+        score = float((sound**-2.0).mean()) if worst > 0 else 1e9 * (1 - worst)
+        if score < best:
+            best, chosen = score, (stop, bend)
+    stop, bend = chosen
+    # Beside a blunt base lines that are moved downstream take the levels of lines that are not.
+    unmoved = replace(front.opened, shift=np.zeros((2, len(heights))))
+    t, ratio = geometric_lines(lambda t: front.opened.wrap(paths(unmoved, stop, bend, t)), heights, layers, growth)
+    points = front.opened.wrap(paths(front.opened, stop, bend, t))
+    points[:, 0] = front.points
+    return points, ratio
+
+
+def _ends(front: _Front, curve: OuterCurve, evenness: float) -> np.ndarray:
+    """(n,) complex: where lines end on the far field, between as the front's points are opened and evenly by number."""
+    xi, nose = front.opened.front.real, front.opened.nose
+    number = np.arange(len(xi)) - nose
+    low = number < 0
+    share = (1 - evenness) * xi / np.where(low, -xi[0], xi[-1])
+    share = share + evenness * number / np.where(low, nose, len(xi) - 1 - nose)
+    share[nose], share[0], share[-1] = 0.0, -1.0, 1.0
+    places = curve.at(np.clip(share, -1, 1))
+    before = front.opened.unwrap(places[nose::-1], 1j)[::-1]
+    return np.concatenate([before[:-1], front.opened.unwrap(places[nose:], 1j)])

@@ -1,0 +1,149 @@
+"""Sections as users bring them: one simple counter-clockwise loop in a plane, or a refusal that says where."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...errors import InvalidGeometry, InvalidInput
+from ...geometry.curves import Curve, chains, is_closed, polyline, turning
+from ...geometry.plane import Plane, fitted_plane
+from ...geometry.section import doubled_area
+from ...mesh import Mesh
+from ...quality.embedding import overlaps
+from ..limits import check_extent
+
+_GAP = 0.05
+"""Of the extent: the widest gap at a trailing edge that is closed by a straight base."""
+_SAME = 1e-10
+"""Of the extent: points in a row that are nearer are one."""
+
+
+@dataclass(eq=False)
+class GivenSection:
+    """A section's loop in its plane.
+
+    Attributes
+    ----------
+    loop : (n, 2) float
+        Different points, counter-clockwise; the last is joined to the first.
+    number : (n,) int
+        The numbers that the user has for them.
+    diagonal : float
+        Of the section's bounding box.
+    plane : Plane
+        Where it lies.
+    warnings : list of str
+        What was changed.
+    """
+
+    loop: np.ndarray
+    number: np.ndarray
+    diagonal: float
+    plane: Plane
+    warnings: list[str] = field(default_factory=list)
+
+    def to_space(self, points: np.ndarray) -> np.ndarray:
+        """(ni, nj, 3) float: points (ni, nj, 2) of the plane in space."""
+        return self.plane.to_space(points.reshape(-1, 2)).reshape(*points.shape[:2], 3)
+
+    def begun_at(self, cut: int) -> np.ndarray:
+        """(n, 2) float: the loop from the user's point number ``cut``; from the sharpest if it is -1."""
+        if cut == -1:
+            start = int(np.argmax(turning(self.loop)))
+        elif cut in self.number:
+            start = int(np.flatnonzero(self.number == cut)[0])
+        else:
+            raise InvalidInput(f"{cut} is no point of the section; -1 finds the sharpest", parameter="cut")
+        return np.roll(self.loop, -start, axis=0)
+
+
+def section_loop(curve: Curve) -> GivenSection:
+    """Clean a section: repeated points are left out, a narrow gap is closed, a clockwise one is turned, and told.
+
+    Raises
+    ------
+    InvalidGeometry
+        If it is open, has fewer than three different points or no area, is not planar, or crosses itself; `points`
+        tells where.
+    """
+    points, number, warnings = _closed(curve)
+    points = points[:-1]
+    extent = float(np.ptp(points, axis=0).max())
+    fresh = (np.abs(points - np.roll(points, 1, axis=0)) > _SAME * extent).any(axis=1)
+    fresh = fresh if fresh.any() else np.arange(len(points)) == 0
+    if repeats := int((~fresh).sum()):
+        warnings.append(f"{repeats} repeated points of the section were left out")
+    points, number = points[fresh], number[fresh]
+    if len(points) < 3:
+        raise InvalidGeometry(f"needs at least three different points, got {len(points)}", parameter="section")
+    diagonal = check_extent(points, parameter="section")
+    plane = fitted_plane(points, parameter="section")
+    loop = plane.to_plane(points)
+    area = doubled_area(loop)
+    if abs(area) <= 1e-12 * diagonal**2:
+        raise InvalidGeometry(f"encloses no area (extent {diagonal:.6g}); give a simple loop", parameter="section")
+    _refuse_crossings(loop, number, diagonal)
+    if area < 0:
+        loop, number = loop[::-1], number[::-1]
+        if abs(plane.normal[2]) > 0.5:  # in other planes neither side is the upper one
+            warnings.append("the section runs clockwise; it was turned")
+    return GivenSection(loop, number, diagonal, plane, warnings)
+
+
+def _closed(curve: Curve) -> tuple[np.ndarray, np.ndarray, list[str]]:
+    """Points of the curve, the last repeating the first, numbers of all but the last, and what was done."""
+    points = polyline(curve, "section")
+    # Points are numbered as the user numbers them: in a mesh, not in the order of the chain.
+    lines = isinstance(curve, Mesh) and len(curve.get("line"))
+    number = chains(curve)[0] if lines else np.arange(len(points))
+    if is_closed(points):
+        return points, number[:-1], []
+    extent = float(np.ptp(points, axis=0).max())
+    gap = float(np.linalg.norm(points[-1] - points[0]))
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    if len(points) < 4 or gap > _GAP * extent or (gap > 0.99 * float(np.median(steps)) and _is_round(points)):
+        raise InvalidGeometry(
+            f"is open: its ends are {gap:.4g} apart; close the loop", parameter="section", points=(0, len(points) - 1)
+        )
+    warnings = [f"the section was open by {gap:.4g} and has been closed by a straight line"]
+    return np.vstack([points, points[:1]]), number, warnings
+
+
+def _is_round(points: np.ndarray) -> bool:
+    """Whether the ends of an open polyline go towards each other, as if a point were missing, and make no edge."""
+    first, last, across = points[1] - points[0], points[-1] - points[-2], points[0] - points[-1]
+
+    def cosine(a: np.ndarray, b: np.ndarray) -> float:
+        return float(a @ b) / max(float(np.linalg.norm(a) * np.linalg.norm(b)), 1e-300)
+
+    return cosine(last, across) > 0.7 and cosine(across, first) > 0.7
+
+
+def _refuse_crossings(loop: np.ndarray, number: np.ndarray, diagonal: float) -> None:
+    """Raise if the loop crosses or touches itself."""
+    start = np.arange(len(loop))
+    edges = np.column_stack([start, (start + 1) % len(loop)])
+    found = overlaps(loop, edges, 1e-14 * diagonal)
+    if len(found.crossing):
+        a, b = edges[found.crossing[0]]
+        (p, q), (r, s) = loop[a], loop[b]
+        d, e = q - p, s - r
+        whole = d[0] * e[1] - d[1] * e[0]
+        t = ((r - p)[0] * e[1] - (r - p)[1] * e[0]) / whole
+        place = p + t * d
+        raise InvalidGeometry(
+            f"crosses itself near ({place[0]:.6g}, {place[1]:.6g}), between points {number[a[0]]}, {number[a[1]]} and "
+            f"{number[b[0]]}, {number[b[1]]}; give a simple loop",
+            parameter="section",
+            points=number[np.unique([a, b])],
+        )
+    if len(found.hanging):
+        edge, point = found.hanging[0]
+        x, y = loop[point]
+        raise InvalidGeometry(
+            f"touches itself at point {number[point]}, ({x:.6g}, {y:.6g}); give a simple loop",
+            parameter="section",
+            points=number[np.unique([*edges[edge], point])],
+        )

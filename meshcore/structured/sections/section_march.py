@@ -1,0 +1,133 @@
+"""Marching grids round sections: heights of the transfinite grid, lines as the march finds them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...progress import Progress, part_of
+from ..folds import FLAT
+from ..marching import hyperbolic_march, parabolic_march
+from ..marching.hyperbolic_march import Marched, Stop
+from ..marching.marching_ends import End, OnCurve
+from .section_result import scaled_jacobians
+
+_PASSES, _MOST, _CORRECTED = 6, 3.0, 10
+"""Times that first heights are corrected, the largest factor, and over how many layers it fades."""
+
+
+def lines_by(
+    method: str, points: np.ndarray, *, closed: bool, progress: Progress, kept: int = 0
+) -> tuple[str, np.ndarray, list[str]]:
+    """The lines of a method in place of transfinite ones, and those of a march where transfinite ones cross.
+
+    Parameters
+    ----------
+    method : {"transfinite", "elliptic", "hyperbolic", "parabolic"}
+        What is asked for.
+    points, closed, progress, kept
+        As for `marched_lines`.
+
+    Returns
+    -------
+    method : str
+        What is still to be done, or was: "elliptic" if no march could reach the end.
+    points : (n, layers + 1, 2) float
+        The lines, which the elliptic equations start from.
+    warnings : list of str
+        What had to be done.
+    """
+    if method in ("hyperbolic", "parabolic"):
+        made, warnings = marched_lines(points, method, closed=closed, progress=progress, kept=kept)
+        return (method, made, warnings) if made is not None else ("elliptic", points, warnings)
+    crossed = int((scaled_jacobians(points) <= FLAT).sum())
+    if not crossed:
+        return method, points, []
+    made, warnings = marched_lines(points, "parabolic", closed=closed, progress=progress)
+    if made is None:
+        return "elliptic", points, [f"lines crossed in {crossed} cells", *warnings]
+    if method == "transfinite":
+        warnings = [f"lines crossed in {crossed} cells; the parabolic march took their place"]
+    return method, made, warnings
+
+
+def marched_lines(
+    points: np.ndarray, method: str, *, closed: bool, progress: Progress, kept: int = 0
+) -> tuple[np.ndarray | None, list[str]]:
+    """A marched grid in place of a transfinite one, whose front, heights and far field it takes.
+
+    Parameters
+    ----------
+    points : (n, layers + 1, 2) float
+        The transfinite grid; the front at j = 0 runs clockwise round the section. If closed the last line is the first.
+    method : {"hyperbolic", "parabolic"}
+        A hyperbolic march goes as far as the heights of the layers take it; where it has to stop, the parabolic one,
+        which ends on the far field, takes its place.
+    closed : bool
+        Whether the front is.
+    progress : Progress
+        Called with fraction and message.
+    kept : int
+        Layers of the transfinite grid that stay; the march goes on from the last of them.
+
+    Returns
+    -------
+    points : (n, layers + 1, 2) float or None
+        None if no march could reach the end.
+    warnings : list of str
+        What had to be done, and where a march stopped.
+    """
+    lines = points[:-1] if closed else points
+    steps = np.linalg.norm(np.diff(lines, axis=1), axis=-1)[:, kept:]
+    front = lines[:, kept]
+    warnings: list[str] = []
+    ends = (OnCurve(points[0, kept:]), OnCurve(points[-1, kept:]))
+    if not kept:
+        steps = _with_first_heights(front, steps, closed, ends)
+    if method == "hyperbolic":
+        found = hyperbolic_march.marched(front, steps.T, closed=closed, ends=ends, progress=part_of(progress, 0.0, 0.5))
+        if found.stop is None:
+            return _whole(points, found, kept, closed), warnings
+        warnings.append(f"the hyperbolic march {_told(found.stop)}; the parabolic one took its place")
+    fractions = np.concatenate([np.zeros((1, len(lines))), np.cumsum(steps, axis=1).T])
+    fractions /= fractions[-1]
+    fractions[-1] = 1.0
+    found = parabolic_march.marched(
+        front,
+        lines[:, -1],
+        fractions,
+        closed=closed,
+        sides=(None, None) if closed else (points[0, kept:], points[-1, kept:]),
+        progress=part_of(progress, 0.5, 1.0),
+    )
+    if found.stop is None:
+        return _whole(points, found, kept, closed), warnings
+    return None, [*warnings, f"the parabolic march {_told(found.stop)}; the elliptic equations took its place"]
+
+
+def _with_first_heights(front: np.ndarray, steps: np.ndarray, closed: bool, ends: tuple[End, End]) -> np.ndarray:
+    """(n, layers) heights that make the march's first layer as high as the first of those given.
+
+    A march holds areas, and on coarse points, where the front turns by many degrees from edge to edge, an area is not
+    length times height. What is lacking in the first layer is added there and, less and less, to the next ones.
+    """
+    layers = steps.shape[1]
+    factor = np.ones(len(steps))
+    for _ in range(_PASSES):
+        first = (factor * steps[:, 0])[None]
+        found = hyperbolic_march.marched(front, first, closed=closed, ends=ends)
+        if found.stop is not None:
+            return steps
+        reached = np.linalg.norm(found.points[:, 1] - found.points[:, 0], axis=1)
+        factor = np.clip(factor * steps[:, 0] / reached, 1 / _MOST, _MOST)
+    return steps * factor[:, None] ** np.maximum(0, 1 - np.arange(layers) / _CORRECTED)
+
+
+def _whole(points: np.ndarray, found: Marched, kept: int, closed: bool) -> np.ndarray:
+    made = np.concatenate([found.points, found.points[:1]]) if closed else found.points
+    return np.concatenate([points[:, :kept], made], axis=1)
+
+
+def _told(stop: Stop) -> str:
+    x, y = stop.place
+    concave = f", where the front is concave by {stop.concavity:.0f} degrees" if stop.concavity > 1 else ""
+    return f"stopped at layer {stop.layer}, point {stop.point} near ({x:.6g}, {y:.6g}), as {stop.reason}{concave}"

@@ -1,0 +1,157 @@
+"""How every grid round a section ends: smoothed if asked, checked, and reported."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...errors import GenerationFailed, InvalidGeometry
+from ...mesh import StructuredGrid
+from ...progress import Progress, advance
+from ...quality import line_angle, summary, validate
+from ...report import Report, Result
+from ..folds import folded_cells, refuse_folds
+from ..poisson.elliptic_problem import Asked, solved
+from ..poisson.wall_control import Wall
+
+
+def finished(
+    grid: StructuredGrid,
+    method: str,
+    kept: np.ndarray | None,
+    past: int,
+    cure: str,
+    counts: dict[str, int],
+    told: dict[str, float],
+    warnings: list[str],
+    progress: Progress,
+) -> Result:
+    """The grid, smoothed if the method says so, and its report.
+
+    Parameters
+    ----------
+    grid : StructuredGrid
+        The transfinite grid, whose first heights are those wanted.
+    method : str
+        It is smoothed if this is "elliptic".
+    kept : (ni,) float, optional
+        How far, from 0 to 1, smoothing keeps the angles of the lines at its wall, instead of making them right.
+    past : int
+        Layers that stay as they are, the last of which is smoothing's wall.
+    cure : str
+        What to do about folded cells.
+    counts, told : dict
+        For the report.
+    warnings : list of str
+        What has been changed so far.
+    progress : Progress
+        Called with fraction and message.
+
+    Raises
+    ------
+    GenerationFailed
+        If cells are folded; `cells` and `partial` show where.
+    """
+    history: dict = {}
+    if method == "elliptic":
+        outside = replace(grid, points=grid.points[:, past:], cuts=() if past else grid.cuts)
+        outside, report, more = smoothed(outside, _wall(outside, kept), cure, progress)
+        grid = replace(grid, points=np.concatenate([grid.points[:, :past], outside.points], axis=1))
+        beyond = f"beyond the {past} layers that round the blunt edge: " if past else ""
+        warnings = warnings + [beyond + text for text in more]
+        if report is not None:
+            errors = {name: value for name, value in report.quality.items() if name.startswith("error") and not past}
+            told = {**told, **errors}  # of the layers that stay, what is reached is told below
+            history = {"iterations": report.iterations, "residual": report.residual, "converged": report.converged}
+            history["history"] = report.history
+    advance(progress, 0.95, "checking the grid")
+    refuse_folds(grid, cure)
+    validate(grid)
+    counts = {"points": grid.n_points, "quads": grid.n_cells, **counts}
+    told = {**told, **_reached(grid, counts.get("wake", 0), told["first height"])}
+    return Result(grid, Report(counts=counts, quality={**summary(grid), **told}, warnings=warnings, **history))
+
+
+def _reached(grid: StructuredGrid, wake: int, height: float) -> dict[str, float]:
+    """What users look at first: the first heights in shares of that asked for, and how far lines are from right angles.
+
+    ``wake`` is the number of points at both ends of i that stand before no wall.
+    """
+    first = np.linalg.norm(grid.points[:, 1, 0] - grid.points[:, 0, 0], axis=1)[wake : len(grid.points) - wake]
+    return {
+        "least first height / asked": float(first.min() / height),
+        "largest first height / asked": float(first.max() / height),
+        "worst skew of lines (degree)": float(90 - line_angle(grid).min(initial=90.0, where=_inside(grid))),
+    }
+
+
+def _inside(grid: StructuredGrid) -> np.ndarray:
+    """(ni, nj, 1) bool: points neither on the wall nor on the far field."""
+    return (np.arange(grid.shape[1]) % (grid.shape[1] - 1) > 0)[None, :, None]
+
+
+def smoothed(
+    grid: StructuredGrid, wall: Wall | None, cure: str, progress: Progress
+) -> tuple[StructuredGrid, Report | None, list[str]]:
+    """A grid by the elliptic equations, its wall held if it can be.
+
+    Parameters
+    ----------
+    grid : StructuredGrid
+        The start.
+    wall : Wall, optional
+        Not held if the start has folded cells, or the result has them.
+    cure : str
+        What to do about folded cells.
+    progress : Progress
+        Called with fraction and message.
+
+    Returns
+    -------
+    StructuredGrid
+        The start if the equations fold it.
+    Report or None
+        None if it is the start.
+    list of str
+        What had to be done.
+    """
+    sound = wall is not None and not folded_cells(grid.points[:, :, 0]).any()
+    for walls in ([wall], []) if sound else ([],):
+        try:
+            found, report = solved(grid, Asked(control="boundary spacing", walls=walls), progress)
+        except (GenerationFailed, InvalidGeometry):
+            continue
+        loose = sound and not walls
+        free = ["angles and heights at the wall could not be held without folding cells; left free"] if loose else []
+        return found, report, [*free, *report.warnings]
+    refuse_folds(grid, cure)  # or if its boundary crosses itself, of which only the section is the user's
+    return grid, None, ["the elliptic equations folded cells; the grid stays as it was"]
+
+
+def _wall(grid: StructuredGrid, kept: np.ndarray | None) -> Wall:
+    """The first heights of a grid, and right angles but where they are kept."""
+    points = grid.points[:, :, 0]
+    away = points[:, 1] - points[:, 0]
+    height = np.linalg.norm(away, axis=1)
+    if kept is None or not kept.any():
+        return Wall("south", first_height=height)
+    along = np.gradient(points[:, 0], axis=0)
+    cosine = (along * away).sum(axis=1) / (np.linalg.norm(along, axis=1) * height)
+    angle = np.degrees(np.arccos(np.clip(cosine, -1, 1)))
+    return Wall("south", first_height=height, angle=90 + kept * (np.clip(angle, 10, 170) - 90))
+
+
+def scaled_jacobians(points: np.ndarray) -> np.ndarray:
+    """(ni - 1, nj - 1) least sine of a corner's angle, of each cell of planar points (ni, nj, 2).
+
+    Examples
+    --------
+    >>> scaled_jacobians(np.array([[[0.0, 0], [0, 1]], [[1, 0], [1, 1]]]))
+    array([[1.]])
+    """
+    quad = np.stack([points[:-1, :-1], points[1:, :-1], points[1:, 1:], points[:-1, 1:]])
+    edge = np.roll(quad, -1, axis=0) - quad
+    back = -np.roll(edge, 1, axis=0)
+    cross = edge[..., 0] * back[..., 1] - edge[..., 1] * back[..., 0]
+    return (cross / (np.linalg.norm(edge, axis=-1) * np.linalg.norm(back, axis=-1))).min(axis=0)

@@ -1,0 +1,374 @@
+"""Hyperbolic grids: the equations' own residual, exact circles, symmetry, ends, every airfoil, bays, bad input."""
+
+import numpy as np
+import pytest
+
+import meshcore as mc
+from meshcore import gallery
+from meshcore.errors import Cancelled, GenerationFailed, InvalidGeometry, InvalidInput
+from meshcore.geometry.curves import lines_through, polyline, turning
+from meshcore.quality import line_angle
+from meshcore.sizing.around_loop import respaced_loop
+from meshcore.structured.marching._block_tridiagonal_kernels import solve
+from meshcore.structured.marching._collision_kernels import collisions
+from meshcore.structured.marching.hyperbolic_march import Dissipation, layer_heights, marched
+from meshcore.structured.marching.marching_ends import Along, Mirror, OnCurve, Splay
+from tests import naive_marching as naive
+
+
+def clockwise_circle(n, radius=1.0):
+    angle = -2 * np.pi * np.arange(n) / n
+    return radius * np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+def section(name, cells=None):
+    loop = polyline(gallery.airfoil(name))[:-1, :2]
+    return (loop if cells is None else respaced_loop(loop, cells))[::-1]
+
+
+# ---- the equations
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_block_solver_agrees_with_a_dense_one(closed):
+    rng = np.random.default_rng(3)
+    lower, upper = rng.normal(size=(2, 9, 4))
+    diagonal = rng.normal(size=(9, 4)) + [8, 0, 0, 8]
+    right = rng.normal(size=(9, 2))
+    if not closed:
+        lower[0] = upper[-1] = 0
+    expected = naive.dense_block_solution(lower, diagonal, upper, right, closed)
+    solve(lower, diagonal, upper, right, closed, np.zeros((9, 4)))
+    assert np.abs(right - expected).max() < 1e-14
+
+
+def test_a_step_satisfies_the_linearised_equations():
+    angle = np.linspace(0, -2 * np.pi, 61)[:-1]
+    front = np.column_stack([np.cos(angle), 0.6 * np.sin(angle)])
+    points = marched(front, np.array([0.05, 0.06]), closed=True).points
+    for k, height in enumerate((0.05, 0.06)):
+        expected = naive.hyperbolic_step(points[:, k], height, Dissipation.base)
+        assert np.abs(points[:, k + 1] - expected).max() < 1e-13
+
+
+@pytest.mark.parametrize(("base", "limits"), [(0.0, (0.003, 0.02)), (Dissipation.base, (0.003, 0.025))])
+def test_lines_become_orthogonal_and_areas_as_asked_as_steps_get_smaller(base, limits):
+    errors = []
+    for n in (80, 160, 320):
+        angle = np.linspace(0, -2 * np.pi, n + 1)[:-1]
+        front = np.column_stack([np.cos(angle), 0.6 * np.sin(angle)])
+        height = 4 / n
+        points = marched(front, np.full(n // 8, height), closed=True, dissipation=Dissipation(base)).points
+        along = 0.5 * (np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0))
+        layer, middle = np.diff(points, axis=1), 0.5 * (along[:, 1:] + along[:, :-1])
+        size = np.linalg.norm(middle, axis=2)
+        orthogonality = np.abs((middle * layer).sum(axis=2) / size).max() / height
+        area = middle[..., 0] * layer[..., 1] - middle[..., 1] * layer[..., 0]
+        errors.append((orthogonality, np.abs(area / (height * size) - 1).max()))
+    errors = np.array(errors)
+    print(errors)
+    assert (errors[-1] < limits).all() and (errors[1:, 1] < 0.6 * errors[:-1, 1]).all()
+
+
+@pytest.mark.parametrize("n", [12, 65, 400])
+@pytest.mark.parametrize("inwards", [False, True])
+def test_a_circle_gives_the_polar_grid(n, inwards):
+    heights = layer_heights(0.01, 1.1, layers=8 if inwards else 60)
+    front = clockwise_circle(n)[:: -1 if inwards else 1]
+    points = marched(front, heights, closed=True).points
+    radius = 1 + (-1 if inwards else 1) * np.concatenate([[0], np.cumsum(heights)])
+    assert points.shape == (n, len(heights) + 1, 2)
+    assert np.abs(points - radius[:, None] * front[:, None]).max() < 1e-13 * radius.max()
+
+
+def test_symmetric_sections_give_symmetric_grids():
+    half = section("naca0012", 120)
+    upper = half[half[:, 1] > 1e-9]
+    upper = upper[np.argsort(-upper[:, 0])]
+    front = np.concatenate([[[1.002, 0]], upper * [1, -1], [[-0.001, 0]], upper[::-1]])
+    points = marched(front, layer_heights(1e-4, 1.15, layers=80), closed=True).points
+    mirrored = np.roll(points[::-1], 1, axis=0) * [1, -1]
+    assert np.abs(points - mirrored).max() < 1e-9 * np.abs(points).max()
+
+
+def test_fronts_about_to_meet_are_found_as_all_windows_find_them():
+    front = np.ascontiguousarray(horseshoe(0.35, 0.9, 90))
+    n = len(front)
+    after = np.roll(front, -1, axis=0) - front
+    normals = np.column_stack([-after[:, 1], after[:, 0]]) + np.roll(np.column_stack([-after[:, 1], after[:, 0]]), 1, 0)
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    turn = turning(front)
+    heights = np.full(n, 0.06)
+    expected = naive.handed_down(naive.windows(front, normals, heights, turn), n)
+    r, t = np.zeros((2, n + 4)), np.zeros((2, n + 4))
+    r[:, 2:-2], t[:, 2:-2] = front.T, np.column_stack([normals[:, 1], -normals[:, 0]]).T
+    strength, shrink, turned, h = np.zeros((4, n + 4))
+    turned[2:-2], h[2:-2] = np.cumsum(turn), heights
+    collisions(r, t, turned, h, True, strength, shrink, np.zeros((4, n + 4)))
+    assert (expected[0] > 0).sum() > 20 and expected[1].min() < 0.9
+    assert np.abs(shrink[2:-2] - expected[1]).max() < 1e-12
+    edges = strength[2:-2] > expected[0] + 1e-12  # those that vanish have a strength of their own
+    assert (strength[2:-2] >= expected[0] - 1e-12).all() and (strength[2:-2][edges] <= 1).all()
+
+
+# ---- any section
+
+
+@pytest.mark.parametrize("name", gallery.airfoils())
+@pytest.mark.parametrize("cells", [None, 101, 401])
+@pytest.mark.parametrize("first", [1e-3, 1e-6])
+def test_airfoils_with_default_parameters(name, cells, first):
+    front = section(name, cells)
+    heights = layer_heights(first, 1.3, layers=100, distance=15.0)
+    result = marched(front, heights, closed=True)
+    assert result.stop is None and naive.sound(result.points, True)
+    assert (result.points[:, 0] == front).all()
+    mean = np.linalg.norm(np.diff(result.points, axis=1), axis=2).mean(axis=0)
+    assert np.abs(mean[1:] / mean[:-1] / (heights[1] / heights[0]) - 1).max() < 0.005
+
+
+def cusped(n=100):
+    centre = -0.08 + 0.1j
+    circle = centre + abs(1 - centre) * np.exp(1j * (np.angle(1 - centre) - np.linspace(0, 2 * np.pi, n + 1)[:-1]))
+    return (lambda w: np.column_stack([w.real, w.imag]))(circle + 1 / circle)
+
+
+def star(arms, inner, n):
+    angle = -np.pi * np.arange(2 * arms) / arms
+    corners = np.where(np.arange(2 * arms) % 2, inner, 1.0)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    return subdivided(corners, n)
+
+
+def subdivided(corners, n):
+    corners = np.asarray(corners, float)
+    after = np.roll(corners, -1, axis=0)
+    length = np.linalg.norm(after - corners, axis=1)
+    counts = np.maximum(1, np.round(n * length / length.sum()).astype(int))
+    shares = [np.arange(m)[:, None] / m for m in counts]
+    return np.concatenate([a + s * (b - a) for a, b, s in zip(corners, after, shares, strict=True)])
+
+
+def horseshoe(width, depth, n):
+    w, top = width / 2, 1 - depth
+    return subdivided([(-1, -1), (-1, 1), (-w, 1), (-w, top), (w, top), (w, 1), (1, 1), (1, -1)], n)
+
+
+@pytest.mark.parametrize(
+    "front",
+    [cusped(), cusped(400), star(5, 0.3, 200), star(8, 0.4, 500), section("s1223")[::3], horseshoe(0.6, 0.5, 200)],
+    ids=["cusp", "fine cusp", "star", "eight arms", "coarse s1223", "bay"],
+)
+@pytest.mark.parametrize("first", [1e-2, 1e-4])
+def test_other_sections(front, first):
+    size = np.linalg.norm(np.ptp(front, axis=0))
+    result = marched(front, layer_heights(first * size, 1.3, layers=80, distance=10 * size), closed=True)
+    assert result.stop is None and naive.sound(result.points, True)
+
+
+def test_edges_of_a_coarse_notch_that_vanish():
+    front = np.array(
+        [
+            (0.43, -0.18),
+            (0.11, -0.11),
+            (0.22, -0.53),
+            (-0, -0.8),
+            (-0.31, -0.75),
+            (-0.46, -0.46),
+            (-0.73, -0.3),
+            (-1.07, 0),
+            (-1.12, 0.46),
+            (-0.98, 0.98),
+            (-0.48, 1.16),
+            (0, 1.28),
+            (0.45, 1.09),
+            (1.11, 1.11),
+            (1.38, 0.57),
+            (1.33, 0),
+        ]
+    )
+    size = np.linalg.norm(np.ptp(front, axis=0))
+    result = marched(front, layer_heights(1e-4 * size, 1.5, layers=80, distance=10 * size), closed=True)
+    assert result.stop is None and naive.sound(result.points, True)
+
+
+def blob(seed, n=60):
+    """A clockwise smooth body with narrow bays of few points."""
+    rng, angle = np.random.default_rng(seed), -2 * np.pi * np.arange(n) / n
+    waves = sum(rng.normal() / m * np.cos(m * angle + rng.uniform(0, 7)) for m in range(1, 12))
+    return np.maximum(1 + 0.4 * waves, 0.15)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+@pytest.mark.parametrize(("seed", "raised"), [(0, False), (492, True), (543, True), (661, True)])
+def test_where_cells_would_fold_a_march_is_tried_with_more_dissipation(seed, raised):
+    heights = layer_heights(1e-4, 3.0, layers=80, distance=20.0)
+    result = marched(blob(seed), heights, closed=True)
+    assert result.stop is None and (result.raised > 1) == raised
+    assert naive.sound(result.points, True)
+    front = np.concatenate([blob(seed), blob(seed)[:1]])
+    _, report = mc.hyperbolic(front, heights=heights)
+    assert report.converged and any("times as much as asked" in text for text in report.warnings) == raised
+
+
+@pytest.mark.parametrize(("name", "most"), [("naca0012", 11.5), ("rae2822", 11.8)])
+def test_lines_off_airfoils_are_hardly_skew(name, most):
+    """A third less than Construct2D's 17.3 and 17.7 degrees, away from the wall."""
+    points = marched(section(name, 250), layer_heights(1e-5, 3.0, layers=100, distance=15.0), closed=True).points
+    ring = np.concatenate([points, points[:1]])
+    grid = mc.StructuredGrid(ring, periodic=(True, False, False))
+    assert 90 - line_angle(grid)[:, 1:-1].min() < most
+
+
+def test_a_march_that_cannot_go_on_stops_with_a_valid_grid_and_says_where():
+    grid, report = mc.hyperbolic(gallery.l_shape(8), other_side=True, distance=3.0)
+    assert not report.converged and "concave by" in report.warnings[-1] and "the front's point" in report.warnings[-1]
+    (i, j, _) = np.argwhere(grid.point_data["stopped"])[0]
+    assert j == grid.shape[1] - 1 and all(f"{x:.6g}" in report.warnings[-1] for x in grid.points[i, j, 0])
+    assert 3 < grid.shape[1] < 60 and naive.sound(grid.points[:-1, :, 0, :2], True)
+
+
+def test_a_march_that_cannot_go_on_ends_on_the_outer_curve_if_there_is_one():
+    bay = lines_through(horseshoe(0.02, 1.9, 60)[::-1], closed=True)
+    stopped, report = mc.hyperbolic(bay, first_height=0.004, layers=40)
+    assert not report.converged
+    grid, report = mc.hyperbolic(bay, outer=gallery.circle(60, radius=6.0), first_height=0.004, layers=40)
+    assert report.converged and "ends on the outer curve" in report.warnings[-1]
+    assert np.abs(np.linalg.norm(grid.points[:, -1, 0], axis=1) - 6).max() < 0.02
+    assert naive.sound(grid.points[:-1, :, 0, :2], True) and grid.shape[1] > stopped.shape[1]
+
+
+# ---- open fronts and their ends
+
+LINE = np.column_stack([np.linspace(0, 1, 21), np.zeros(21)])
+HEIGHTS = layer_heights(0.01, 1.2, layers=12)
+
+
+def test_a_straight_front_gives_straight_lines():
+    points = marched(LINE, HEIGHTS).points
+    expected = LINE[:, None] + np.concatenate([[0], np.cumsum(HEIGHTS)])[:, None] * [0, 1]
+    assert np.abs(points - expected).max() < 1e-14
+
+
+@pytest.mark.parametrize("n", [9, 40])
+def test_half_a_circle_with_planes_of_symmetry_is_half_the_polar_grid(n):
+    angle = np.pi * (1 - np.arange(n + 1) / n)
+    front = np.column_stack([np.cos(angle), np.sin(angle)])
+    radius = 1 + np.concatenate([[0], np.cumsum(HEIGHTS)])
+    for ends in ((Mirror((1, 0)), Mirror((-2, 0))), (Mirror(), Mirror())):
+        points = marched(front, HEIGHTS, ends=ends).points
+        limit = 1e-13 if ends[0].direction else 0.2  # square to the first edge is not quite square to the circle
+        assert np.abs(points - radius[:, None] * front[:, None]).max() < limit
+
+
+def test_ends_keep_their_lines():
+    wave = LINE + [0, 0.05] * np.sin(5 * LINE[:, :1])
+    points = marched(wave, HEIGHTS, ends=(Along((0, 1)), Along((1, 3)))).points
+    assert np.abs(points[0, :, 0]).max() < 1e-15
+    away = points[-1] - wave[-1]
+    assert np.abs(3 * away[:, 0] - away[:, 1]).max() < 1e-14 and naive.sound(points, False)
+
+
+def test_an_end_follows_its_curve_by_the_heights():
+    curve = np.array([[1.0, 0], [1.1, 0.1], [1.1, 5]])
+    points = marched(LINE, HEIGHTS, ends=(Splay(30.0), OnCurve(curve[::-1]))).points
+    total, knee = np.cumsum(HEIGHTS)[:, None], np.hypot(0.1, 0.1)
+    expected = np.where(total < knee, [1.0, 0] + total / np.sqrt(2), [1.1, 0.1 - knee] + total * [0, 1])
+    assert np.abs(points[-1, 1:] - expected).max() < 1e-14
+    leaning = points[0, 1] - points[0, 0]
+    assert np.degrees(np.arctan2(-leaning[0], leaning[1])) == pytest.approx(30)
+
+
+def test_a_c_shaped_front_with_both_halves_of_its_wake_in_one_place():
+    body = section("rae2822", 160)
+    cut = np.argmax(body[:, 0])
+    body = np.roll(body, -cut, axis=0)
+    body = np.concatenate([body, body[:1]])
+    wake = body[0] + np.linspace(0, 1, 30)[1:, None] ** 2 * [4.0, 0]
+    front = np.concatenate([wake[::-1], body, wake])
+    result = marched(front, layer_heights(1e-4, 1.15, layers=60), ends=(Along((0, 1)), Along((0, 1))))
+    assert result.stop is None and naive.sound(result.points, False)
+    assert np.abs(result.points[[0, -1], :, 0] - front[0, 0]).max() < 1e-12
+
+
+# ---- heights
+
+
+def test_heights():
+    heights = layer_heights(1e-5, 1.2, distance=1.0)
+    assert heights.sum() == pytest.approx(1) and heights[0] == 1e-5 and heights[1] / heights[0] <= 1.2
+    assert len(heights) == 55
+    assert layer_heights(0.1, 1.2, distance=1.0, largest=0.15).max() <= 0.15
+    assert layer_heights(0.25, 1.0, distance=1.0).tolist() == [0.25] * 4
+
+
+def test_heights_of_their_own_at_each_point():
+    circle = gallery.circle(24)
+    own = np.linspace(1, 2, 24) * np.full((3, 1), 0.01)
+    grid, _ = mc.hyperbolic(circle, heights=own, smoothing=0.0)
+    points = polyline(circle)[:-1]
+    first = np.linalg.norm(grid.points[:-1, 1, 0] - grid.points[:-1, 0, 0], axis=1)
+    given = [int(np.flatnonzero((points == p).all(axis=1))[0]) for p in grid.points[:-1, 0, 0]]
+    assert np.abs(first / own[0][given] - 1)[2:-2].max() < 0.05
+
+
+# ---- the operation
+
+
+def test_the_front_is_kept_and_turned_as_said():
+    square = polyline(gallery.square(6))
+    grid, report = mc.hyperbolic(square)
+    assert {tuple(p) for p in grid.points[:, 0, 0]} == {tuple(p) for p in square} and not report.warnings
+    turned, report = mc.hyperbolic(square[::-1])
+    assert "clockwise" in report.warnings[0] and np.allclose(turned.points[0, -1], grid.points[0, -1])
+    assert grid.periodic == (True, False, False) and grid.names == {"jmin": "wall", "jmax": "outer"}
+
+
+def test_any_plane():
+    flat = polyline(gallery.airfoil("rae2822", cells=60))
+    axes = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
+    lengths = {"first_height": 1e-3, "distance": 1.0}  # relative ones would turn with the bounding box
+    grid, _ = mc.hyperbolic(flat @ axes.T, **lengths)
+    expected, _ = mc.hyperbolic(flat, **lengths)
+    same = expected.points @ axes.T
+    assert min(np.abs(grid.points - same).max(), np.abs(grid.points[::-1] - same).max()) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("front", "keywords", "error", "words"),
+    [
+        ([[0, 0], [1, 1], [1, 0], [0, 2], [-1, 1], [0, 0]], {}, InvalidGeometry, "crosses itself"),
+        ([[0, 0], [1, 0], [2, 0], [0, 0]], {}, InvalidGeometry, "no area"),
+        ([[0, 0], [np.nan, 0], [2, 0]], {}, InvalidInput, "nan"),
+        ([[0, 0], [0, 0]], {}, InvalidGeometry, "two different"),
+        (LINE, {"first_height": 0.0}, InvalidInput, "greater than zero"),
+        (LINE, {"first_height": -1.0}, InvalidInput, "greater than zero"),
+        (LINE, {"growth": 0.9}, InvalidInput, "at least 1"),
+        (LINE, {"growth": 3.1}, InvalidInput, "at most 3"),
+        (LINE, {"first_height": 2.0, "layers": 3, "distance": 1.0}, InvalidInput, "reach past"),
+        (LINE, {"first_height": 1e-9, "layers": 3, "distance": 1.0}, InvalidInput, "give more layers"),
+        (LINE, {"first_end": "curve"}, InvalidInput, "first_curve"),
+        (LINE, {"last_end": "curve", "last_curve": [[3, 0], [3, 1]]}, InvalidInput, "away from the front's end"),
+        (polyline(gallery.square()), {"first_end": "plane"}, InvalidInput, "has no ends"),
+        (LINE, {"heights": np.zeros(4)}, InvalidInput, "greater than zero"),
+        (LINE, {"heights": np.ones((4, 3))}, InvalidInput, "needs shape"),
+    ],
+)
+def test_bad_input(front, keywords, error, words):
+    with pytest.raises(error, match=words):
+        mc.hyperbolic(np.asarray(front, float), **keywords)
+
+
+def test_three_points_and_repeated_ones_are_enough():
+    triangle = np.array([[0.0, 0], [1, 0], [1, 0], [0.3, 0.8], [0, 0]])
+    grid, report = mc.hyperbolic(triangle, layers=10, first_height=0.01)
+    assert report.converged and grid.shape == (4, 11, 1) and "repeated" in report.warnings[0]
+
+
+def test_progress_can_cancel():
+    with pytest.raises(Cancelled):
+        mc.hyperbolic(gallery.circle(32), progress=lambda fraction, message: False)
+
+
+def test_not_even_one_layer():
+    needle = np.array([[0.0, 0], [1, 0], [1, 1], [0.501, 1], [0.5, 1e-7], [0.499, 1], [0, 1], [0, 0]])
+    with pytest.raises(GenerationFailed, match="the front's point"):
+        mc.hyperbolic(needle, first_height=0.5, layers=2)

@@ -1,0 +1,106 @@
+"""Grids round sections as users bring them: first heights of marches, blunt and cusped edges, what is told."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import meshcore as mc
+from meshcore import gallery
+from meshcore.quality import line_angle
+from meshcore.structured.sections.section_result import scaled_jacobians
+from tests.bodies import BODIES, random_bodies
+from tests.sections import random_sections
+
+
+def first_heights(grid, report) -> np.ndarray:
+    """Of what was asked for, at the wall."""
+    wake = report.counts.get("wake", 0)
+    lines = grid.points[wake : len(grid.points) - wake, :2, 0]
+    return np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) / report.quality["first height"]
+
+
+@pytest.mark.parametrize("method", ["hyperbolic", "parabolic"])
+@pytest.mark.parametrize("name", ["naca0012", "rae2822", "s1223"])
+def test_marches_on_coarse_points_have_the_first_heights_asked_for(name, method):
+    heights = first_heights(*mc.o_grid(gallery.airfoil(name), method=method))
+    assert heights.min() > 0.97 and heights.max() < 1.03
+
+
+@pytest.mark.parametrize("method", ["elliptic", "hyperbolic", "parabolic"])
+def test_grids_round_blunt_edges_of_c_grids_keep_the_layers_that_round_its_corners(method):
+    section = gallery.airfoil("naca0012")  # whose base is thinner than the first height
+    grid, report = mc.c_grid(section, method=method)
+    assert all("beyond the" in text for text in report.warnings)
+    assert scaled_jacobians(grid.points[:, :, 0, :2]).min() > 0.05
+    assert first_heights(grid, report).min() > 0.97
+    flat, _ = mc.c_grid(section)
+    assert np.array_equal(flat.points[:, 1], grid.points[:, 1])
+    assert np.abs(flat.points - grid.points).max() > 0.1
+
+
+def test_where_walls_of_a_cusp_cannot_be_held_they_are_left_and_that_is_told():
+    _, cusped = list(random_sections(7, 1))[-1]
+    grid, report = mc.o_grid(cusped, method="elliptic")
+    assert scaled_jacobians(grid.points[:, :, 0, :2]).min() > 0
+    assert "could not be held" in report.warnings[0]
+
+
+@pytest.mark.parametrize("method", ["transfinite", "elliptic", "hyperbolic", "parabolic"])
+@pytest.mark.parametrize("make", [mc.o_grid, mc.c_grid])
+def test_random_bodies_get_sound_grids(make, method):
+    for _, body in random_bodies(len(BODIES), 5):
+        grid, _ = make(body, method=method, first_height=0.005)
+        assert scaled_jacobians(grid.points[:, :, 0, :2]).min() > 0
+
+
+@pytest.mark.parametrize("corners", [[[0, 0], [1, 0], [0.3, 0.8], [0, 0]], [[0, 0], [1, 0], [0, 0.4], [0, 0]]])
+@pytest.mark.parametrize("around", [None, 12, 60])
+def test_c_grids_of_triangles_open_behind_the_nose_even_if_the_chord_runs_along_a_side(corners, around):
+    grid, report = mc.c_grid(np.array(corners, float), around=around)
+    assert not report.warnings
+    assert scaled_jacobians(grid.points[:, :, 0, :2]).min() > 0
+
+
+@pytest.mark.parametrize("kind", ["ellipse", "star", "L-shape"])
+def test_h_grids_march_where_straight_lines_cross_and_tell_on_which_side(kind):
+    marched = 0
+    for number in range(3):
+        loop = BODIES[kind](np.random.default_rng(number))
+        blocks, report = mc.h_grid(np.vstack([loop, loop[:1]]))
+        for block in blocks.blocks:
+            assert scaled_jacobians(block.points[:, :, 0, :2]).min() > 0
+        marched += sum("the section: lines crossed" in text for text in report.warnings)
+    assert marched
+
+
+def test_reports_tell_heights_reached_skew_and_wall_units():
+    grid, report = mc.c_grid(gallery.airfoil("naca0012"), y_plus=1.0, method="hyperbolic", around=120)
+    heights = first_heights(grid, report)
+    assert report.quality["least first height / asked"] == pytest.approx(heights.min())
+    assert report.quality["largest first height / asked"] == pytest.approx(heights.max())
+    assert report.quality["y+"] == 1.0
+    angle = line_angle(grid)[:, 1:-1]
+    assert report.quality["worst skew of lines (degree)"] == pytest.approx(90 - angle.min())
+
+
+def test_the_wake_of_a_circle_goes_along_x():
+    for turn in (0.0, 0.7):
+        angle = np.linspace(0, 2 * np.pi, 41) + turn
+        grid, _ = mc.c_grid(np.column_stack([np.cos(angle), np.sin(angle)]))
+        assert grid.points[0, 0, 0, 0] > 10 and abs(grid.points[0, 0, 0, 1]) < 2
+
+
+@pytest.mark.parametrize("method", ["elliptic", "hyperbolic"])
+def test_layers_round_blunt_edges_are_kept_only_if_they_are_sound(method):
+    # A turbine blade on few points, whose straight lines cross beside what is taken for its trailing edge.
+    loop = BODIES["turbine"](np.random.default_rng([11, 3]))
+    grid, _ = mc.c_grid(np.vstack([loop, loop[:1]]), y_plus=1.0, reynolds=1.64e5, around=60, method=method)
+    assert scaled_jacobians(grid.points[:, :, 0, :2]).min() > 0
+
+
+@pytest.mark.parametrize("layers", [2, 3])
+@pytest.mark.parametrize("method", ["elliptic", "hyperbolic", "parabolic"])
+def test_few_layers_round_a_blunt_edge(method, layers):
+    grid, _ = mc.c_grid(gallery.airfoil("naca0012"), layers=layers, radius=2, first_height=0.3, method=method)
+    assert grid.cell_shape[1] == layers

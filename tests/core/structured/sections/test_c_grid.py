@@ -1,0 +1,165 @@
+"""C-grids: any airfoil and trailing edge, wakes that are cuts, far fields, heights in wall units, and refusals."""
+
+import numpy as np
+import pytest
+
+import meshcore as mc
+from meshcore import gallery
+from meshcore.errors import GenerationFailed, InvalidGeometry, InvalidInput
+from meshcore.geometry.curves import polyline
+from meshcore.structured.sections.wall_units import height_for
+from tests import naive
+from tests.core.geometry.test_section import joukowski
+
+
+def closed(loop):
+    return np.vstack([loop, loop[:1]])
+
+
+SECTIONS = {
+    **{name: gallery.airfoil(name) for name in gallery.airfoils()},
+    "cusped": closed(joukowski(120)),
+    "plate": np.array([[0, 0], [1, 0], [1, 0.01], [0, 0.01], [0, 0.0]]),
+}
+
+
+def assert_sound(grid):
+    assert (naive.cross_areas(grid.points[:, :, 0]) > 0).all()
+    (cut,) = grid.cuts
+    wake, n = cut.points[1][0], grid.shape[0] - 1
+    assert (grid.points[: wake + 1, 0] == grid.points[n - np.arange(wake + 1), 0]).all()
+    assert grid.to_mesh().n_points == grid.n_points - wake - 1
+    return wake
+
+
+@pytest.mark.parametrize("method", ["transfinite", "elliptic", "hyperbolic", "parabolic"])
+@pytest.mark.parametrize("keywords", [{}, {"around": 200, "first_height": 1e-5, "trailing_spacing": 0.002}])
+@pytest.mark.parametrize("name", SECTIONS)
+def test_no_cell_is_folded_and_the_heights_are_those_asked(name, keywords, method):
+    if name == "plate" and "around" not in keywords:
+        keywords = {"around": 60, "first_height": 0.001}
+    grid, report = mc.c_grid(SECTIONS[name], method=method, **keywords)
+    wake = assert_sound(grid)
+    points = grid.points[:, :, 0]
+    section = slice(wake + 12, grid.shape[0] - wake - 12)
+    away = np.linalg.norm(points[section, 1] - points[section, 0], axis=1)
+    if name == "plate" or (method in ("hyperbolic", "parabolic") and keywords == {}):
+        return  # lines fan out at its ends, which are half of it; a march keeps areas where points are coarse
+    assert away == pytest.approx(report.quality["first height"], rel=1e-3 if method == "transfinite" else 0.03)
+    if method == "transfinite" and name in gallery.airfoils():
+        assert report.quality["largest growth"] <= 1.151
+        steps = np.linalg.norm(np.diff(points[section], axis=1), axis=-1)
+        ratio = steps[:, 1:] / steps[:, :-1]
+        assert np.ptp(ratio, axis=1).max() < 0.005  # constant along each line
+
+
+def test_points_are_kept_and_the_blunt_edge_has_its_base():
+    section = gallery.airfoil("naca0012")
+    grid, _ = mc.c_grid(section)
+    wall = {tuple(p) for p in grid.points[:, 0, 0]}
+    assert {tuple(p) for p in polyline(section)} <= wall
+    wake = grid.cuts[0].points[1][0]
+    assert grid.points[wake, 0, 0] == pytest.approx([1, 0, 0]) and grid.points[wake + 2, 0, 0, 1] < -0.001
+
+
+def test_lines_leave_section_and_wake_at_right_angles():
+    grid, _ = mc.c_grid(gallery.airfoil("rae2822"), around=300, first_height=1e-5)
+    points = grid.points[:, :, 0]
+    along = points[2:, 0] - points[:-2, 0]
+    away = points[1:-1, 1] - points[1:-1, 0]
+    cosine = (along * away).sum(axis=1) / np.linalg.norm(along, axis=1) / np.linalg.norm(away, axis=1)
+    off = np.degrees(np.abs(np.arcsin(cosine)))
+    off[np.abs(np.arange(len(off)) - grid.cuts[0].points[1][0]) < 3] = 0
+    off[np.abs(np.arange(len(off)) - (len(off) - grid.cuts[0].points[1][0])) < 4] = 0
+    assert off.max() < 8
+
+
+@pytest.mark.parametrize("shape", ["C", "box"])
+def test_far_fields(shape):
+    grid, _ = mc.c_grid(gallery.airfoil("rae2822"), far_field=shape, radius=4, wake=6)
+    assert_sound(grid)
+    outer = grid.points[:, -1, 0]
+    assert outer[:, 0].max() == pytest.approx(7, rel=1e-6) and np.abs(outer[:, 1]).max() == pytest.approx(4, rel=1e-2)
+    assert np.ptp(grid.points[0, :, 0, 0]) < 1e-9 and np.ptp(grid.points[-1, :, 0, 0]) < 1e-9  # outflow
+
+
+def test_a_far_field_of_ones_own_is_met():
+    angle = np.linspace(np.radians(-60), np.radians(-300), 200)
+    own = np.column_stack([0.5 + 5 * np.cos(angle), 4 * np.sin(angle)])
+    grid, _ = mc.c_grid(gallery.airfoil("rae2822"), own, wake=2)
+    assert_sound(grid)
+    distance = np.min(np.linalg.norm(grid.points[:, -1, 0, None, :2] - own[None], axis=-1), axis=1)
+    assert distance.max() < 0.1
+
+
+def test_symmetric_sections_get_symmetric_grids():
+    points = mc.c_grid(gallery.airfoil("naca0012"))[0].points[:, :, 0]
+    assert np.abs(points - points[::-1] * [1, -1, 1]).max() < 1e-6
+
+
+def test_turned_moved_and_scaled_sections_get_the_same_grid():
+    loop = polyline(gallery.airfoil("rae2822"))
+    first, _ = mc.c_grid(loop)
+    a = np.radians(25)
+    turn = np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]])
+    other, _ = mc.c_grid(
+        30 * np.roll(loop[:-1], 40, axis=0)[np.r_[0 : len(loop) - 1, 0]] @ turn.T + [5, 6, 7],
+        first_height=30 * 0.001 * np.linalg.norm(np.ptp(loop, axis=0)),
+    )
+    assert np.abs(other.points - (30 * first.points @ turn.T + [5, 6, 7])).max() < 1e-6
+
+
+def test_heights_in_wall_units():
+    grid, report = mc.c_grid(gallery.airfoil("rae2822"), y_plus=1.0, reynolds=6.5e6, around=200)
+    height = height_for(1.0, 6.5e6, 1.0)
+    assert report.quality["first height"] == pytest.approx(height, rel=1e-3) and 3e-6 < height < 6e-6
+    assert_sound(grid)
+
+
+@pytest.mark.parametrize("section", [gallery.circle(40), gallery.l_shape(6)])
+def test_where_lines_cross_the_grid_is_marched_and_says_so(section):
+    grid, report = mc.c_grid(section, around=60, first_height=0.005)
+    assert_sound(grid)
+    assert "parabolic march took their place" in report.warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("section", "keywords", "error", "words"),
+    [
+        (gallery.circle(12).points, {}, InvalidGeometry, "open"),
+        (np.array([[0, 0], [2, 2], [2, 0], [0, 1.5], [0, 0]]), {}, InvalidGeometry, "crosses itself"),
+        (np.array([[0, 0], [1, 0], [2, 0], [0, 0.0]]), {}, InvalidGeometry, "no area"),
+        (gallery.airfoil("rae2822"), {"radius": 0.1}, InvalidInput, "radius"),
+        (gallery.airfoil("rae2822"), {"first_height": -1.0}, InvalidInput, "first_height"),
+        (gallery.airfoil("rae2822"), {"first_height": 8.0}, InvalidInput, "first_height"),
+        (gallery.airfoil("rae2822"), {"first_height": 1e-14}, InvalidInput, "lost in rounding"),
+        (gallery.airfoil("rae2822"), {"growth": 4.0}, InvalidInput, "growth"),
+        (gallery.airfoil("rae2822"), {"y_plus": 0.0}, InvalidInput, "y_plus"),
+        (gallery.airfoil("rae2822"), {"around": 30, "trailing_spacing": 1e-6}, InvalidInput, "around: 30 cells"),
+        (gallery.airfoil("rae2822"), {"trailing_spacing": 3.0}, InvalidInput, "trailing_spacing"),
+        (gallery.airfoil("rae2822"), {"layers": 10**9}, InvalidInput, "layers"),
+    ],
+)
+def test_bad_input_gets_a_clear_error(section, keywords, error, words):
+    with pytest.raises(error, match=words):
+        mc.c_grid(section, **keywords)
+
+
+def test_a_far_field_inside_the_section_is_refused():
+    with pytest.raises(InvalidGeometry, match="does not hold the section"):
+        mc.c_grid(gallery.airfoil("rae2822"), np.array([[0.5, -0.01], [0.3, -0.01], [0.3, 0.01], [0.5, 0.01]]))
+
+
+def horseshoe() -> np.ndarray:
+    """A ring with a gap, whose inside no C-grid reaches."""
+    angle = np.linspace(0.4, 2 * np.pi - 0.4, 40)
+    outside = np.column_stack([np.cos(angle), np.sin(angle)])
+    return np.vstack([outside, 0.6 * outside[::-1], outside[:1]])
+
+
+def test_a_failure_shows_where():
+    with pytest.raises(GenerationFailed, match="cells are folded") as caught:
+        mc.c_grid(horseshoe(), first_height=0.005)
+    partial = caught.value.partial
+    bad = (naive.cross_areas(partial.points[:, :, 0]) <= 0).any(axis=-1)
+    assert bad.any() and set(caught.value.cells) >= set(np.flatnonzero(bad.ravel(order="F")))
