@@ -22,11 +22,22 @@ from .operation import Length, Relative, operations
 from .progress import Progress, silent
 from .report import Report, Result
 from .sizing import Spacing, discretised
-from .structured import Attractor, Wall, elliptically_smoothed, with_halo
-from .structured.algebraic import transfinite, transfinite_volume
-from .structured.marching import hyperbolic, hyperbolic_volume, parabolic
-from .structured.poisson import elliptic, elliptic_volume
-from .structured.sections import c_grid, h_grid, o_grid
+from .structured import (
+    Attractor,
+    Wall,
+    c_grid,
+    elliptic,
+    elliptic_volume,
+    elliptically_smoothed,
+    h_grid,
+    hyperbolic,
+    hyperbolic_volume,
+    o_grid,
+    parabolic,
+    transfinite,
+    transfinite_volume,
+    with_halo,
+)
 from .unstructured import (
     Tetrahedralization,
     Triangulation,

@@ -16,7 +16,7 @@ from .progress import Progress, advance, part_of, silent
 from .report import Result
 from .sizing.around_loop import respaced_loop
 from .sizing.size_field import graded
-from .structured.sections import o_grid
+from .structured import o_grid
 from .unstructured import delaunay_refinement
 
 NOSE = ((-0.05, -0.075), (0.15, 0.075))
