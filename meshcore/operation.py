@@ -87,6 +87,8 @@ class Param:
         Hidden until a panel's advanced parameters are shown.
     array : bool
         A str that names a data array of the first input, so that a host can offer a list.
+    also : tuple of str
+        Other spellings of the command line's flag, such as ``"yplus"``.
 
     The remaining fields are filled in from the signature: `kind` is one of bool, int, float, str, choice, length,
     `size` is the number of values of a tuple, and `optional` tells that None is allowed (hosts show it as zero).
@@ -101,6 +103,7 @@ class Param:
     group: str = ""
     advanced: bool = False
     array: bool = False
+    also: tuple[str, ...] = ()
     name: str = ""
     kind: str = ""
     choices: tuple[str, ...] = ()

@@ -17,6 +17,9 @@ Inputs = dict[str, Any]
 NO_FILE = "-"
 """In the place of an input that may be left out."""
 
+BESIDE = Path(".png")
+"""A picture without a name: it gets the output's."""
+
 Run = Callable[[argparse.Namespace, Inputs], "int | None"]
 
 
@@ -52,7 +55,14 @@ def add_operation(subparsers: Any, operation: Operation) -> None:
         help = flags.escaped(port.description) + (left_out if port.optional else "")
         command.add_argument(port.name, type=Path, nargs="?" if port.optional else None, help=help)
     command.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="where the mesh goes")
-    command.add_argument("--picture", type=Path, metavar="PNG", help="draw the mesh, too")
+    command.add_argument(
+        "--picture",
+        type=Path,
+        nargs="?",
+        const=BESIDE,
+        metavar="PNG",
+        help="draw the mesh, too; without a name beside the output, with .png as its extension",
+    )
     command.add_argument("--histogram", action="store_true", help="print the quality of the cells, with histograms")
     flags.add_params(command, operation)
 
@@ -91,6 +101,8 @@ def run_operation(arguments: argparse.Namespace, inputs: Inputs) -> None:
     values = flags.values(arguments, operation)
     paths = {name: getattr(arguments, name) for name in operation.inputs}
     paths = {name: path for name, path in paths.items() if path not in (None, Path(NO_FILE))}
+    if arguments.picture == BESIDE:
+        arguments.picture = arguments.output.with_suffix(BESIDE.name)
     files.check_names([arguments.output, arguments.picture], paths.values())
     if operation.output != "as given":
         files.check_mesh_file(arguments.output, operation.output)

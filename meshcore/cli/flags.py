@@ -84,6 +84,10 @@ def _flag(param: Param) -> str:
     return "--" + param.name.replace("_", "-")
 
 
+def _spellings(param: Param) -> list[str]:
+    return [_flag(param), *(f"--{other}" for other in param.also)]
+
+
 def _shown(value: Any) -> str:
     if isinstance(value, tuple):
         return " ".join(_shown(v) for v in value)
@@ -99,7 +103,7 @@ def _add_param(group: Any, param: Param) -> None:
         "help": escaped(help_text(param)),
     }
     if param.kind == "bool":
-        group.add_argument(_flag(param), action=argparse.BooleanOptionalAction, **options)
+        group.add_argument(*_spellings(param), action=argparse.BooleanOptionalAction, **options)
         return
     if param.kind == "choice":
         options["choices"] = [*param.choices, "none"] if param.optional else list(param.choices)
@@ -109,7 +113,7 @@ def _add_param(group: Any, param: Param) -> None:
         options["type"] = _number_reader(param)
     if param.size > 1:
         options["nargs"] = "+" if param.optional else param.size
-    group.add_argument(_flag(param), **options)
+    group.add_argument(*_spellings(param), **options)
 
 
 def _number_reader(param: Param) -> Callable[[str], Any]:

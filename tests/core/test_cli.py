@@ -19,7 +19,7 @@ import pytest
 import meshcore as mc
 from meshcore import cli, gallery, operation
 from meshcore.cli import commands, flags, terminal
-from meshcore.geometry.curves import lines_through
+from meshcore.geometry.curves import lines_through, polyline
 from meshcore.operation import Length, Param, Port, Relative
 
 OPERATIONS = list(mc.operations())
@@ -140,6 +140,17 @@ def test_report_histogram_and_picture(loop, tmp_path, call):
     assert (code, err) == (0, "")
     assert out.startswith("Transfinite Interpolation\n") and "quads" in out and "min_angle" in out
     assert picture.read_bytes().startswith(PNG) and picture.stat().st_size > 5000
+
+
+def test_flags_have_other_spellings_and_a_picture_without_a_name_stands_beside_the_output(tmp_path, call):
+    section = tmp_path / "rae2822.dat"
+    points = polyline(gallery.airfoil("rae2822"))
+    section.write_text("RAE 2822\n" + "\n".join(f"{x:.7f} {y:.7f}" for x, y, _ in points))
+    line = f"c-grid {section} -o {tmp_path}/rae2822.vts --first-height 1e-5 --yplus 1 --reynolds 6.5e6 --picture"
+    code, out, err = call(*line.split())
+    assert (code, err) == (0, "") and "4.138e-06" in out
+    assert (tmp_path / "rae2822.png").read_bytes().startswith(PNG)
+    assert call(*line.replace("yplus", "y-plus").replace(" --picture", " --json").split())[0] == 0
 
 
 def test_quiet_prints_nothing(loop, tmp_path, call):

@@ -10,7 +10,7 @@ from ...errors import InvalidGeometry
 from ...geometry.curves import Curve, is_closed, polyline
 from ...geometry.plane import Plane, fitted_plane
 from ..limits import check_extent
-from .hyperbolic_march import Stop
+from .hyperbolic_march import Marched, Stop
 
 
 @dataclass(frozen=True)
@@ -106,3 +106,17 @@ def stop_told(stop: Stop, ready: Front, asked: int) -> str:
         f"stopped after {stop.layer} of {asked} layers, since {stop.reason} at the front's point {point} near "
         f"({x:.6g}, {y:.6g}, {z:.6g}), {bend}"
     )
+
+
+def changes_told(result: Marched) -> tuple[dict[str, int], list[str]]:
+    """For a report: counts and warnings of what a march did otherwise than asked, so that no cell folds.
+
+    Examples
+    --------
+    >>> changes_told(Marched(np.zeros((5, 4, 2)), 2, None, 1.5))[0]
+    {'layers in smaller steps': 2}
+    """
+    counts = {"layers in smaller steps": result.split} if result.split else {}
+    if result.raised <= 1:
+        return counts, []
+    return counts, [f"cells would have folded; the grid was smoothed {result.raised:g} times as much as asked"]

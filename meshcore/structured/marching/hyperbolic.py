@@ -18,7 +18,7 @@ from ..folds import refuse_folds
 from ..limits import check_size
 from ..poisson.elliptic_problem import Asked, solved
 from . import parabolic_march
-from .fronts import Front, read_front, stop_told
+from .fronts import Front, changes_told, read_front, stop_told
 from .hyperbolic_march import Dissipation, Marched, layer_heights, marched
 from .marching_ends import Along, End, Free, Mirror, OnCurve, Splay
 from .marching_parameters import FirstHeightParam, GrowthParam, LargestHeightParam, LayersParam, asked_heights
@@ -235,9 +235,8 @@ def _rest(scheme: str, ready: Front, start, target, fractions, progress: Progres
 
 def _reported(ready: Front, result: Marched, asked: int) -> Result:
     made = result.points.shape[1] - 1
-    warnings = list(ready.warnings)
-    if result.raised > 1:
-        warnings.append(f"cells would have folded; the grid was smoothed {result.raised:g} times as much as asked")
+    changed, told = changes_told(result)
+    warnings = [*ready.warnings, *told]
     if result.stop is not None:
         warnings.append(f"{stop_told(result.stop, ready, asked)}; {_CURE}")
         if made == 0:
@@ -250,8 +249,6 @@ def _reported(ready: Front, result: Marched, asked: int) -> Result:
         stopped = np.zeros(grid.shape)
         stopped[[result.stop.point, -1] if ready.closed and result.stop.point == 0 else result.stop.point, -1] = 1
         grid = grid.with_point_data(stopped=stopped)
-    counts = {"points": grid.n_points, "quads": grid.n_cells, "layers": made}
-    if result.split:
-        counts["layers in smaller steps"] = result.split
+    counts = {"points": grid.n_points, "quads": grid.n_cells, "layers": made, **changed}
     report = Report(counts=counts, quality=summary(grid), warnings=warnings, converged=result.stop is None)
     return Result(grid, report)

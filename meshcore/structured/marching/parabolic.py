@@ -16,7 +16,7 @@ from ...report import Report, Result
 from ...sizing import Spacing, cells_for_growth, geometric
 from ..folds import refuse_folds
 from ..limits import check_size
-from .fronts import Front, read_front, stop_told
+from .fronts import Front, changes_told, read_front, stop_told
 from .marching_parameters import FirstHeightParam
 from .outer_points import outer_points
 from .parabolic_march import marched
@@ -140,7 +140,7 @@ def parabolic(
         raise GenerationFailed(f"{told}; {_CURE}", partial=grid if result.stop.layer else None)
     refuse_folds(grid, _CURE)
     validate(grid)
-    counts = {"points": grid.n_points, "quads": grid.n_cells, "layers": grid.cell_shape[1]}
+    counts = {"points": grid.n_points, "quads": grid.n_cells, "layers": grid.cell_shape[1]} | changes_told(result)[0]
     return Result(grid, Report(counts=counts, quality=summary(grid), warnings=ready.warnings))
 
 

@@ -149,13 +149,13 @@ def c_grid(
     points, ratio = _best(front, curve, np.full(len(front.points), height), layers, growth, part_of(progress, 0.1, 0.5))
     warnings = list(given.warnings)
     step, past = part_of(progress, 0.5, 0.6), _past_base(front, points)
-    method, points, told = lines_by(method, points, closed=False, progress=step, kept=past)
+    method, points, told, changed = lines_by(method, points, closed=False, progress=step, kept=past)
     warnings += told
     n = len(points) - 1
     points[n - front.wake :, 0] = points[front.wake :: -1, 0]  # the cut, to the last bit
     cut = Cut(((0, 0, 0), (front.wake, 0, 0)), ((n, 0, 0), (n - front.wake, 0, 0)), (-1, -2, 3), name="wake")
     grid = StructuredGrid(given.to_space(points), names=_NAMES, cuts=(cut,))
-    counts = {"around": n - 2 * front.wake, "wake": front.wake, "layers": grid.cell_shape[1]}
+    counts = {"around": n - 2 * front.wake, "wake": front.wake, "layers": grid.cell_shape[1], **changed}
     figures = {"first height": height, **({} if y_plus is None else {"y+": y_plus}), "largest growth": ratio}
     kept = np.ones(len(points)) if past else None  # lines fan out there
     return finished(grid, method, kept, past, _CURE, counts, figures, warnings, part_of(progress, 0.6, 1.0))

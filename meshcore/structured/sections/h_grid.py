@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,7 +23,7 @@ from . import section_parameters as parameters
 from .lines_out import geometric_lines
 from .section_front import respaced_section
 from .section_input import section_loop
-from .section_march import lines_by
+from .section_march import Lines, lines_by
 from .section_result import scaled_jacobians, smoothed
 from .unwrapped import free_reach, leaving, normals, shifts_beyond
 
@@ -126,13 +127,15 @@ def h_grid(
     reach, behind = radius * chord, (wake or radius) * chord
     ahead_line, wake_line = _lines_of_cuts(chains, reach, behind, wake_growth)
     blocks, ratios = [], []
+    split: Counter[str] = Counter()
     for number, chain in enumerate(chains):
         advance(progress, 0.1 + 0.4 * number, "choosing lines")
         lower = number == 0
         up = np.array([1, -1]) if lower else np.array([1, 1])
         points, ratio = _half(chain, ahead_line * up, wake_line * up, reach, height, layers, growth)
-        method, points, told = _uncrossed(points, len(ahead_line) - 1, len(wake_line) - 1)
+        method, points, told, changed = _uncrossed(points, len(ahead_line) - 1, len(wake_line) - 1)
         ratios.append(ratio)
+        split.update(changed)
         local = points[:, ::-1] * up if lower else points
         spatial = plane.to_space((local @ frame).reshape(-1, 2)).reshape(*local.shape[:2], 3)
         far, wall = ("jmin", "jmax") if lower else ("jmax", "jmin")
@@ -147,7 +150,7 @@ def h_grid(
         validate(blocks[-1])
     grid = _joined(blocks, len(ahead_line) - 1, len(wake_line) - 1)
     counts = {"points": grid.n_points, "quads": grid.n_cells, "layers": blocks[0].cell_shape[1]}
-    counts |= {"ahead": len(ahead_line) - 1, "wake": len(wake_line) - 1}
+    counts |= {"ahead": len(ahead_line) - 1, "wake": len(wake_line) - 1, **split}
     told = {"first height": height, **({} if y_plus is None else {"y+": y_plus}), "largest growth": max(ratios)}
     quality = {**summary(grid.to_mesh()), **told}
     return Result(grid, Report(counts=counts, quality=quality, warnings=warnings))
@@ -327,13 +330,13 @@ def _half(
     return points, ratio
 
 
-def _uncrossed(points: np.ndarray, ahead: int, wake: int) -> tuple[str, np.ndarray, list[str]]:
+def _uncrossed(points: np.ndarray, ahead: int, wake: int) -> Lines:
     """Lines of a block that march instead where they crossed, onto a far field along which they keep their order.
 
-    What `lines_by` returns. ``ahead`` and ``wake`` are the cells before and behind the section.
+    ``ahead`` and ``wake`` are the cells before and behind the section.
     """
     if (scaled_jacobians(points) > FLAT).all():
-        return "transfinite", points, []
+        return Lines("transfinite", points, [], {})
     points, last = points.copy(), len(points) - 1 - wake
     length = arc_length(points[ahead : last + 1, 0])
     start, stop = points[[ahead, last], 0, 0]

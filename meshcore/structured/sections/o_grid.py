@@ -148,11 +148,12 @@ def o_grid(
         far = PolarCurve(centre, closed)
     points, ratio = _wrapped(loop, far, chord, height, growth, layers, part_of(progress, 0.0, 0.6))
     points = points[::-1]  # clockwise, so that i, j are right-handed
-    method, points, told = lines_by(method, points, closed=True, progress=part_of(progress, 0.6, 0.8))
+    step = part_of(progress, 0.6, 0.8)
+    method, points, told, changed = lines_by(method, points, closed=True, progress=step)
     warnings += told
     names = {"jmin": "wall", "jmax": "far field"}
     grid = StructuredGrid(given.to_space(points), names=names, periodic=(True, False, False))
-    counts = {"around": grid.cell_shape[0], "layers": grid.cell_shape[1]}
+    counts = {"around": grid.cell_shape[0], "layers": grid.cell_shape[1], **changed}
     figures = {"first height": height, **({} if y_plus is None else {"y+": y_plus}), "largest growth": ratio}
     return finished(grid, method, None, 0, _CURE, counts, figures, warnings, part_of(progress, 0.8, 1.0))
 

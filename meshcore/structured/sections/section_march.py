@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ...progress import Progress, part_of
 from ..folds import FLAT
 from ..marching import hyperbolic_march, parabolic_march
+from ..marching.fronts import changes_told
 from ..marching.hyperbolic_march import Marched, Stop
 from ..marching.marching_ends import End, OnCurve
 from .section_result import scaled_jacobians
@@ -15,66 +18,64 @@ _PASSES, _MOST, _CORRECTED = 6, 3.0, 10
 """Times that first heights are corrected, the largest factor, and over how many layers it fades."""
 
 
-def lines_by(
-    method: str, points: np.ndarray, *, closed: bool, progress: Progress, kept: int = 0
-) -> tuple[str, np.ndarray, list[str]]:
-    """The lines of a method in place of transfinite ones, and those of a march where transfinite ones cross.
+class Lines(NamedTuple):
+    """Lines of a grid round a section.
 
-    Parameters
+    Attributes
     ----------
-    method : {"transfinite", "elliptic", "hyperbolic", "parabolic"}
-        What is asked for.
-    points, closed, progress, kept
-        As for `marched_lines`.
-
-    Returns
-    -------
     method : str
         What is still to be done, or was: "elliptic" if no march could reach the end.
     points : (n, layers + 1, 2) float
         The lines, which the elliptic equations start from.
     warnings : list of str
-        What had to be done.
+        What had to be done, and where a march stopped.
+    counts : dict
+        For the report: what a march did otherwise than asked, as `hyperbolic` counts it.
     """
-    if method in ("hyperbolic", "parabolic"):
-        made, warnings = marched_lines(points, method, closed=closed, progress=progress, kept=kept)
-        return (method, made, warnings) if made is not None else ("elliptic", points, warnings)
-    crossed = int((scaled_jacobians(points) <= FLAT).sum())
-    if not crossed:
-        return method, points, []
-    made, warnings = marched_lines(points, "parabolic", closed=closed, progress=progress)
-    if made is None:
-        return "elliptic", points, [f"lines crossed in {crossed} cells", *warnings]
-    if method == "transfinite":
-        warnings = [f"lines crossed in {crossed} cells; the parabolic march took their place"]
-    return method, made, warnings
+
+    method: str
+    points: np.ndarray
+    warnings: list[str]
+    counts: dict[str, int]
 
 
-def marched_lines(
-    points: np.ndarray, method: str, *, closed: bool, progress: Progress, kept: int = 0
-) -> tuple[np.ndarray | None, list[str]]:
-    """A marched grid in place of a transfinite one, whose front, heights and far field it takes.
+def lines_by(method: str, points: np.ndarray, *, closed: bool, progress: Progress, kept: int = 0) -> Lines:
+    """The lines of a method in place of transfinite ones, and those of a march where transfinite ones cross.
 
     Parameters
     ----------
+    method : {"transfinite", "elliptic", "hyperbolic", "parabolic"}
+        What is asked for. A hyperbolic march goes as far as the heights of the layers take it; where it has to stop,
+        the parabolic one, which ends on the far field, takes its place.
     points : (n, layers + 1, 2) float
         The transfinite grid; the front at j = 0 runs clockwise round the section. If closed the last line is the first.
-    method : {"hyperbolic", "parabolic"}
-        A hyperbolic march goes as far as the heights of the layers take it; where it has to stop, the parabolic one,
-        which ends on the far field, takes its place.
     closed : bool
         Whether the front is.
     progress : Progress
         Called with fraction and message.
     kept : int
-        Layers of the transfinite grid that stay; the march goes on from the last of them.
+        Layers of the transfinite grid that stay; a march that is asked for goes on from the last of them.
+    """
+    if method in ("hyperbolic", "parabolic"):
+        return _marched(points, method, closed, progress, kept)
+    crossed = int((scaled_jacobians(points) <= FLAT).sum())
+    if not crossed:
+        return Lines(method, points, [], {})
+    found = _marched(points, "parabolic", closed, progress, 0)
+    if found.method == "elliptic":
+        return found._replace(warnings=[f"lines crossed in {crossed} cells", *found.warnings])
+    if method == "elliptic":
+        return Lines(method, found.points, [], {})
+    return found._replace(
+        method=method,
+        warnings=[f"lines crossed in {crossed} cells; the parabolic march took their place", *found.warnings],
+    )
 
-    Returns
-    -------
-    points : (n, layers + 1, 2) float or None
-        None if no march could reach the end.
-    warnings : list of str
-        What had to be done, and where a march stopped.
+
+def _marched(points: np.ndarray, method: str, closed: bool, progress: Progress, kept: int) -> Lines:
+    """A marched grid in place of a transfinite one, whose front, heights and far field it takes.
+
+    If no march could reach the end it is the transfinite one, for the elliptic equations.
     """
     lines = points[:-1] if closed else points
     steps = np.linalg.norm(np.diff(lines, axis=1), axis=-1)[:, kept:]
@@ -86,7 +87,7 @@ def marched_lines(
     if method == "hyperbolic":
         found = hyperbolic_march.marched(front, steps.T, closed=closed, ends=ends, progress=part_of(progress, 0.0, 0.5))
         if found.stop is None:
-            return _whole(points, found, kept, closed), warnings
+            return _whole(method, points, found, kept, closed, warnings)
         warnings.append(f"the hyperbolic march {_told(found.stop)}; the parabolic one took its place")
     fractions = np.concatenate([np.zeros((1, len(lines))), np.cumsum(steps, axis=1).T])
     fractions /= fractions[-1]
@@ -100,8 +101,9 @@ def marched_lines(
         progress=part_of(progress, 0.5, 1.0),
     )
     if found.stop is None:
-        return _whole(points, found, kept, closed), warnings
-    return None, [*warnings, f"the parabolic march {_told(found.stop)}; the elliptic equations took its place"]
+        return _whole(method, points, found, kept, closed, warnings)
+    stopped = f"the parabolic march {_told(found.stop)}; the elliptic equations took its place"
+    return Lines("elliptic", points, [*warnings, stopped], {})
 
 
 def _with_first_heights(front: np.ndarray, steps: np.ndarray, closed: bool, ends: tuple[End, End]) -> np.ndarray:
@@ -122,9 +124,11 @@ def _with_first_heights(front: np.ndarray, steps: np.ndarray, closed: bool, ends
     return steps * factor[:, None] ** np.maximum(0, 1 - np.arange(layers) / _CORRECTED)
 
 
-def _whole(points: np.ndarray, found: Marched, kept: int, closed: bool) -> np.ndarray:
+def _whole(method: str, points: np.ndarray, found: Marched, kept: int, closed: bool, warnings: list[str]) -> Lines:
+    """The lines of a march that reached the end, on the layers that are kept."""
     made = np.concatenate([found.points, found.points[:1]]) if closed else found.points
-    return np.concatenate([points[:, :kept], made], axis=1)
+    counts, changed = changes_told(found)
+    return Lines(method, np.concatenate([points[:, :kept], made], axis=1), [*warnings, *changed], counts)
 
 
 def _told(stop: Stop) -> str:

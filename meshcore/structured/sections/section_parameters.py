@@ -20,7 +20,8 @@ RadiusParam = Annotated[float, Param("Distance of the far field from mid-chord, 
 MethodParam = Annotated[Method, Param("How the grid between section and far field is made")]
 FirstHeightParam = Annotated[Length, Param("Height of the cells at the section", group="Spacing")]
 YPlusParam = Annotated[
-    float | None, Param("y+ of the first points, which then sets the first height", min=1e-6, group="Spacing")
+    float | None,
+    Param("y+ of the first points, which then sets the first height", min=1e-6, group="Spacing", also=("yplus",)),
 ]
 ReynoldsParam = Annotated[float, Param("Reynolds number of the chord, for y+", min=1, group="Spacing")]
 GrowthParam = Annotated[

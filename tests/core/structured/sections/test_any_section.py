@@ -84,6 +84,15 @@ def test_reports_tell_heights_reached_skew_and_wall_units():
     assert report.quality["worst skew of lines (degree)"] == pytest.approx(90 - angle.min())
 
 
+@pytest.mark.parametrize(("make", "kind", "number"), [(mc.o_grid, "measured", 2), (mc.c_grid, "star", 27)])
+def test_reports_tell_what_a_march_did_so_that_no_cell_folds(make, kind, number):
+    found, loop = list(random_bodies(number + 1, 3))[-1]
+    assert found == kind
+    _, report = make(loop, method="hyperbolic", first_height=0.1, layers=12)
+    assert report.counts["layers in smaller steps"] > 0
+    assert "times as much as asked" in report.warnings[-1]
+
+
 def test_the_wake_of_a_circle_goes_along_x():
     for turn in (0.0, 0.7):
         angle = np.linspace(0, 2 * np.pi, 41) + turn
