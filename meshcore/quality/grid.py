@@ -31,7 +31,8 @@ class Steps(NamedTuple):
     @classmethod
     def of(cls, grid: StructuredGrid, axis: int) -> Steps:
         """Those of a grid along one axis; all nan where it has one layer only."""
-        lines = np.moveaxis(grid.points, axis, 0)
+        parts = np.ascontiguousarray(grid.points.transpose(3, 0, 1, 2))  # in memory, as `vectors` wants them
+        lines = np.moveaxis(parts.transpose(1, 2, 3, 0), axis, 0)
         edges = np.diff(lines, axis=0)
         none = np.full((1, *lines.shape[1:]), np.nan)
         before = np.concatenate([edges[-1:] if grid.periodic[axis] else none, edges])

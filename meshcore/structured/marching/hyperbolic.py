@@ -15,6 +15,7 @@ from ...quality import summary, validate
 from ...report import Report, Result
 from ...sizing import geometric
 from ..folds import refuse_folds
+from ..layer_report import layers_told, worst_skew
 from ..limits import check_size
 from ..poisson.elliptic_problem import Asked, solved
 from . import parabolic_march
@@ -167,7 +168,7 @@ def hyperbolic(
     if result.stop is not None and outer is not None:
         result = _continued(ready, result, thickness, outer, part_of(progress, 0.6, 0.8))
     advance(progress, 0.8, "checking the grid")
-    return _reported(ready, result, len(thickness))
+    return _reported(ready, result, thickness)
 
 
 def _asked_heights(given, ready, first_height, growth, layers, distance, largest) -> np.ndarray:
@@ -233,12 +234,12 @@ def _rest(scheme: str, ready: Front, start, target, fractions, progress: Progres
     return points[:-1] if ready.closed else points
 
 
-def _reported(ready: Front, result: Marched, asked: int) -> Result:
+def _reported(ready: Front, result: Marched, asked: np.ndarray) -> Result:
     made = result.points.shape[1] - 1
     changed, told = changes_told(result)
     warnings = [*ready.warnings, *told]
     if result.stop is not None:
-        warnings.append(f"{stop_told(result.stop, ready, asked)}; {_CURE}")
+        warnings.append(f"{stop_told(result.stop, ready, len(asked))}; {_CURE}")
         if made == 0:
             raise GenerationFailed(f"no layer could be made: {warnings[-1]}")
     names = {"jmin": "wall", "jmax": "outer"}
@@ -250,5 +251,6 @@ def _reported(ready: Front, result: Marched, asked: int) -> Result:
         stopped[[result.stop.point, -1] if ready.closed and result.stop.point == 0 else result.stop.point, -1] = 1
         grid = grid.with_point_data(stopped=stopped)
     counts = {"points": grid.n_points, "quads": grid.n_cells, "layers": made, **changed}
-    report = Report(counts=counts, quality=summary(grid), warnings=warnings, converged=result.stop is None)
+    quality = {**summary(grid), **layers_told(result.points, asked[0]), **worst_skew(grid)}
+    report = Report(counts=counts, quality=quality, warnings=warnings, converged=result.stop is None)
     return Result(grid, report)

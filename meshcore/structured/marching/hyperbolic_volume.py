@@ -15,6 +15,7 @@ from ...progress import Progress, advance, part_of, silent
 from ...quality import summary, validate
 from ...report import Report, Result
 from ...threads import checked_threads
+from ..layer_report import layers_told
 from ..limits import check_size
 from .front_crossing import clear_layers, crossing_node, emptied_layer
 from .front_edges import EdgeChoice, Side, held_edges
@@ -192,8 +193,7 @@ def _reported(
         for block in blocks:
             validate(block)
     quality = {
-        "first height": float(heights[0]),
-        "total height": float(heights[:count].sum()),
+        **layers_told(made.swapaxes(0, 1), float(heights[0])),
         "worst corner (degree)": math.degrees(math.asin(min(outcome.worst, 1.0))),
         **({} if isinstance(result, Mesh) else _summary(blocks)),
     }

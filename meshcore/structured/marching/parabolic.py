@@ -15,6 +15,7 @@ from ...quality import summary, validate
 from ...report import Report, Result
 from ...sizing import Spacing, cells_for_growth, geometric
 from ..folds import refuse_folds
+from ..layer_report import layers_told, worst_skew
 from ..limits import check_size
 from .fronts import Front, changes_told, read_front, stop_told
 from .marching_parameters import FirstHeightParam
@@ -141,7 +142,9 @@ def parabolic(
     refuse_folds(grid, _CURE)
     validate(grid)
     counts = {"points": grid.n_points, "quads": grid.n_cells, "layers": grid.cell_shape[1]} | changes_told(result)[0]
-    return Result(grid, Report(counts=counts, quality=summary(grid), warnings=ready.warnings))
+    asked = fractions[1] * np.linalg.norm(target - ready.points, axis=1)
+    quality = {**summary(grid), **layers_told(result.points, asked), **worst_skew(grid)}
+    return Result(grid, Report(counts=counts, quality=quality, warnings=ready.warnings))
 
 
 def _fractions(ready: Front, outer: np.ndarray, height, growth, layers, spacing) -> np.ndarray:

@@ -146,7 +146,7 @@ def c_grid(
     front = _front(shape, (wake or radius) * shape.chord, wake_cells, wake_growth)
     curve = _outer_curve(given, shape, outer, far_field, reach, front.end)
     advance(progress, 0.1, "choosing lines")
-    points, ratio = _best(front, curve, np.full(len(front.points), height), layers, growth, part_of(progress, 0.1, 0.5))
+    points = _best(front, curve, np.full(len(front.points), height), layers, growth, part_of(progress, 0.1, 0.5))
     warnings = list(given.warnings)
     step, past = part_of(progress, 0.5, 0.6), _past_base(front, points)
     method, points, told, changed = lines_by(method, points, closed=False, progress=step, kept=past)
@@ -156,7 +156,7 @@ def c_grid(
     cut = Cut(((0, 0, 0), (front.wake, 0, 0)), ((n, 0, 0), (n - front.wake, 0, 0)), (-1, -2, 3), name="wake")
     grid = StructuredGrid(given.to_space(points), names=_NAMES, cuts=(cut,))
     counts = {"around": n - 2 * front.wake, "wake": front.wake, "layers": grid.cell_shape[1], **changed}
-    figures = {"first height": height, **({} if y_plus is None else {"y+": y_plus}), "largest growth": ratio}
+    figures = {"first height": height, **({} if y_plus is None else {"y+": y_plus})}
     kept = np.ones(len(points)) if past else None  # lines fan out there
     return finished(grid, method, kept, past, _CURE, counts, figures, warnings, part_of(progress, 0.6, 1.0))
 
@@ -201,8 +201,8 @@ def _outer_curve(given: GivenSection, section: Section, outer, shape: str, reach
 
 def _best(
     front: _Front, curve: OuterCurve, heights: np.ndarray, layers: int | None, growth: float, progress: Progress
-) -> tuple[np.ndarray, float]:
-    """Points, and growth, of the family's soundest grid."""
+) -> np.ndarray:
+    """Points of the family's soundest grid."""
     best, chosen = np.inf, None
     tries = [(evenness, bend) for evenness in _EVENNESS for bend in _BENDS]
     for number, (evenness, bend) in enumerate(tries):
@@ -218,10 +218,10 @@ def _best(
     stop, bend = chosen
     # Beside a blunt base lines that are moved downstream take the levels of lines that are not.
     unmoved = replace(front.opened, shift=np.zeros((2, len(heights))))
-    t, ratio = geometric_lines(lambda t: front.opened.wrap(paths(unmoved, stop, bend, t)), heights, layers, growth)
+    t, _ = geometric_lines(lambda t: front.opened.wrap(paths(unmoved, stop, bend, t)), heights, layers, growth)
     points = front.opened.wrap(paths(front.opened, stop, bend, t))
     points[:, 0] = front.points
-    return points, ratio
+    return points
 
 
 def _ends(front: _Front, curve: OuterCurve, evenness: float) -> np.ndarray:

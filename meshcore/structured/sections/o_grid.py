@@ -146,7 +146,7 @@ def o_grid(
         shape = SectionShape.of(given.loop)
         closed = box_corners(shape, reach) if outer is None else given_outer(outer, given.plane, shape, closed=True)
         far = PolarCurve(centre, closed)
-    points, ratio = _wrapped(loop, far, chord, height, growth, layers, part_of(progress, 0.0, 0.6))
+    points = _wrapped(loop, far, chord, height, growth, layers, part_of(progress, 0.0, 0.6))
     points = points[::-1]  # clockwise, so that i, j are right-handed
     step = part_of(progress, 0.6, 0.8)
     method, points, told, changed = lines_by(method, points, closed=True, progress=step)
@@ -154,7 +154,7 @@ def o_grid(
     names = {"jmin": "wall", "jmax": "far field"}
     grid = StructuredGrid(given.to_space(points), names=names, periodic=(True, False, False))
     counts = {"around": grid.cell_shape[0], "layers": grid.cell_shape[1], **changed}
-    figures = {"first height": height, **({} if y_plus is None else {"y+": y_plus}), "largest growth": ratio}
+    figures = {"first height": height, **({} if y_plus is None else {"y+": y_plus})}
     return finished(grid, method, None, 0, _CURE, counts, figures, warnings, part_of(progress, 0.8, 1.0))
 
 
@@ -165,8 +165,8 @@ def _chord(loop: np.ndarray) -> tuple[float, np.ndarray]:
     return float(np.linalg.norm(other - far)), 0.5 * (far + other)
 
 
-def _wrapped(loop, far, chord, height, growth, layers, progress) -> tuple[np.ndarray, float]:
-    """(n + 1, layers + 1, 2) points, counter-clockwise from the wall to the far field, and the largest growth."""
+def _wrapped(loop, far, chord, height, growth, layers, progress) -> np.ndarray:
+    """(n + 1, layers + 1, 2) points, counter-clockwise from the wall to the far field."""
     around = Section.of(loop)
     advance(progress, 0.1, "choosing rays")
     rays, bend = _best_rays(around, far, chord, height)
@@ -187,9 +187,7 @@ def _wrapped(loop, far, chord, height, growth, layers, progress) -> tuple[np.nda
     points[:-1, -1] = far.onto(points[:-1, -1])
     points[:, 0] = around.points
     points[-1] = points[0]  # the cut, to the last bit
-    steps = np.diff(fractions, axis=1)
-    ratio = float((steps[:, 1:] / steps[:, :-1]).max()) if layers > 1 else 1.0
-    return points, ratio
+    return points
 
 
 def _best_rays(around: Section, far: PolarCurve, chord: float, height: float) -> tuple[np.ndarray, float]:

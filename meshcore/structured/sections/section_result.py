@@ -9,9 +9,10 @@ import numpy as np
 from ...errors import GenerationFailed, InvalidGeometry
 from ...mesh import StructuredGrid
 from ...progress import Progress, advance
-from ...quality import line_angle, summary, validate
+from ...quality import summary, validate
 from ...report import Report, Result
 from ..folds import folded_cells, refuse_folds
+from ..layer_report import layers_told, worst_skew
 from ..poisson.elliptic_problem import Asked, solved
 from ..poisson.wall_control import Wall
 
@@ -69,26 +70,14 @@ def finished(
     refuse_folds(grid, cure)
     validate(grid)
     counts = {"points": grid.n_points, "quads": grid.n_cells, **counts}
-    told = {**told, **_reached(grid, counts.get("wake", 0), told["first height"])}
+    lines = layers_told(_of_walls(grid, counts.get("wake", 0)), told["first height"])
+    told = {**told, **lines, **worst_skew(grid)}
     return Result(grid, Report(counts=counts, quality={**summary(grid), **told}, warnings=warnings, **history))
 
 
-def _reached(grid: StructuredGrid, wake: int, height: float) -> dict[str, float]:
-    """What users look at first: the first heights in shares of that asked for, and how far lines are from right angles.
-
-    ``wake`` is the number of points at both ends of i that stand before no wall.
-    """
-    first = np.linalg.norm(grid.points[:, 1, 0] - grid.points[:, 0, 0], axis=1)[wake : len(grid.points) - wake]
-    return {
-        "least first height / asked": float(first.min() / height),
-        "largest first height / asked": float(first.max() / height),
-        "worst skew of lines (degree)": float(90 - line_angle(grid).min(initial=90.0, where=_inside(grid))),
-    }
-
-
-def _inside(grid: StructuredGrid) -> np.ndarray:
-    """(ni, nj, 1) bool: points neither on the wall nor on the far field."""
-    return (np.arange(grid.shape[1]) % (grid.shape[1] - 1) > 0)[None, :, None]
+def _of_walls(grid: StructuredGrid, wake: int) -> np.ndarray:
+    """(n, nj, 3) float: the lines that leave the wall; ``wake`` points at both ends of i stand before none."""
+    return grid.points[wake : len(grid.points) - wake, :, 0]
 
 
 def smoothed(

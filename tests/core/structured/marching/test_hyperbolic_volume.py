@@ -157,7 +157,7 @@ def test_a_wing_tip_stays_on_its_plane_of_symmetry():
 
 def test_a_wing_tip_is_marched_far_with_less_dissipation():
     mesh, report = mc.hyperbolic_volume(gallery.wing_tip(24, 12, 4), first_height=1e-4, layers=60, distance=5.0)
-    assert report.converged and report.quality["total height"] == pytest.approx(5)
+    assert report.converged and report.quality["total height"] == pytest.approx(5, rel=1e-3)
     assert (quality.measure(mesh, "jacobian") > 0).all()
 
 
