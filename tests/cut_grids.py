@@ -34,13 +34,37 @@ def parabolic(s: np.ndarray, t: np.ndarray, bend: float = 0.0) -> np.ndarray:
     """(ns, nt, 2) places of w = s + i t of `c_shape`."""
     s = s[:, None]
     w = s * (1 + bend * (s**2 - 4 - t**2)) + 1j * t * (1 + bend * (0.3 * t**2 + s**2))
-    zeta = w**2 - 2
+    z = outside(w**2 - 2, np.where(s < 0, -1, 1))
+    return np.stack([z.real, z.imag], axis=-1)
+
+
+def outside(zeta: np.ndarray, side: int | np.ndarray) -> np.ndarray:
+    """The z outside the unit circle with z + 1/z = zeta; on the slit, below or above, the circle itself."""
     z = 0.5 * (zeta + np.sqrt(zeta - 2 + 0j) * np.sqrt(zeta + 2 + 0j))
     z = np.where(np.abs(z) < 1 - 1e-9, 1 / z, z)
-    on = (t == 0) & (np.abs(s) <= 2 + 1e-9)
-    angle = np.arccos(np.clip(zeta.real / 2, -1, 1))
-    z = np.where(on, np.exp(1j * np.where(s < 0, -1, 1) * angle), z)
-    return np.stack([z.real, z.imag], axis=-1)
+    on = (np.abs(zeta.imag) < 1e-12) & (np.abs(zeta.real) <= 2 + 1e-9)
+    return np.where(on, np.exp(1j * side * np.arccos(np.clip(zeta.real / 2, -1, 1))), z)
+
+
+def h_cylinder(n: int, bend: float = 0.0) -> MultiBlock:
+    """An H-grid of two blocks round the unit circle, whose lines run on smoothly through the cuts ahead and behind.
+
+    With zeta = p + i q, the flow past the circle has the potential z + 1/z = zeta: the circle is the slit q = 0,
+    |p| <= 2. Functions even in q along p, and odd along q, bend the lines smoothly, too. The slit has 2 n cells, the
+    cuts n each, as many as there are layers on each side.
+    """
+    p = 2.0 / n * np.arange(-2 * n, 2 * n + 1)[:, None]
+    blocks = []
+    for side in (-1, 1):
+        q = 0.5 * (side - 1) * 3.0 + np.linspace(0, 3, n + 1)
+        zeta = p * (1 + bend * (p**2 - 4 - q**2)) + 1j * q * (1 + bend * (0.3 * q**2 + p**2))
+        z = outside(zeta, side)
+        z[np.abs(p[:, 0]) >= 2 - 1e-9, 0 if side > 0 else -1].imag = 0.0
+        blocks.append(StructuredGrid(np.stack([z.real, z.imag], axis=-1)))
+    ahead, end = n, 4 * n
+    cuts = [Cut(((a, n, 0), (b, n, 0)), ((a, 0, 0), (b, 0, 0)), (1, 2, 3), 0, 1) for a, b in ((0, n), (3 * n, end))]
+    assert np.abs(blocks[1].points[ahead, 0, 0] - [-1, 0, 0]).max() < 1e-12
+    return MultiBlock(tuple(blocks), ("lower", "upper"), tuple(cuts))
 
 
 def h_shape(n: int, bend: float = 0.0) -> MultiBlock:

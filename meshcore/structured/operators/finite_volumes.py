@@ -7,14 +7,11 @@ from functools import cached_property
 import numpy as np
 
 from ...errors import InvalidInput
-from ...mesh import StructuredGrid
-from ...quality.vectors import cross
+from ...mesh import MultiBlock, StructuredGrid
+from .cell_metrics import CellMetrics, Faces
 from .curvilinear import checked_field
-from .metrics import Metrics, Order, check_sign
-from .stencils import DIFFERENCE, SLOPE
+from .metrics import Order, check_sign
 from .swept import swept_volumes
-
-Faces = tuple[np.ndarray, ...]
 
 
 class FiniteVolumes:
@@ -22,6 +19,8 @@ class FiniteVolumes:
 
     What flows out of one cell flows into the next: the sum of ``divergence * volumes`` over the cells is what flows
     through the boundary, to round-off. Area vectors close around each cell, so that a uniform flow has no divergence.
+    Through cuts (``grid.cuts``, blocks) it flows as inside: faces there have one flux, seen from either side. Sides may
+    be collapsed to a point, as in the middle of a polar grid.
 
     ::
 
@@ -33,16 +32,17 @@ class FiniteVolumes:
 
     Parameters
     ----------
-    grid : StructuredGrid
-        In the plane, on a surface in space (fluxes then are tangential), or a volume.
+    grid : StructuredGrid or MultiBlock
+        In the plane, on a surface in space (fluxes then are tangential), or a volume. Of a `MultiBlock`, where methods
+        take or give an array, it is a list of one for each block; of fluxes, such a list for each direction.
     order : 2 or 4
         Order of accuracy. At the second, cells have straight edges; at the fourth, edges and faces are curves and
-        surfaces through the points.
+        surfaces through the points, and there may be no cuts.
 
     Raises
     ------
     InvalidInput
-        If a line is too short or the order unknown.
+        If a line is too short, the order unknown, or 4 on a grid with cuts.
     InvalidGeometry
         If a cell has no volume or is turned over (`cells` tells which), or a periodic direction is not closed.
 
@@ -61,16 +61,15 @@ class FiniteVolumes:
     True
     """
 
-    def __init__(self, grid: StructuredGrid, order: Order = 2):
-        self.metrics = Metrics(grid, order)
-        if self.metrics.lines is not None:
+    def __init__(self, grid: StructuredGrid | MultiBlock, order: Order = 2):
+        self.metrics = CellMetrics(grid, order)
+        if self.metrics.lines is not None and order != 2:
             raise InvalidInput(
-                "has cuts, through which finite volumes do not run; take `Curvilinear`, whose lines do, or "
-                "`dataclasses.replace(grid, cuts=())`, whose cuts are boundaries",
-                parameter="grid",
+                f"is {order}; through cuts finite volumes are of the second order: give 2, or take `Curvilinear`",
+                parameter="order",
             )
         self.grid, self.order = grid, order
-        check_sign(self.volumes, "volume", "cells")
+        check_sign(self.metrics.joined.parts(self.metrics.volumes, self.metrics.joined.cells()), "volume", "cells")
 
     def __repr__(self) -> str:
         return f"FiniteVolumes({self.grid!r}, order={self.order})"
@@ -80,26 +79,17 @@ class FiniteVolumes:
     @cached_property
     def area_vectors(self) -> Faces:
         """For each direction, (faces, 3) float: integral of the normal over each face, towards larger indices."""
-        if self.metrics.dimension == 2:
-            return self._edges_of_surface()
-        # Stokes' theorem: half the integral of r x dr around the face, from integrals along edges that faces share.
-        along = [self._edge_integrals(axis) for axis in range(3)]
-        return tuple(
-            self.metrics.along(DIFFERENCE, along[k], j) - self.metrics.along(DIFFERENCE, along[j], k)
-            for j, k in ((1, 2), (2, 0), (0, 1))
-        )
+        return self._given_faces(self.metrics.areas)
 
     @cached_property
     def volumes(self) -> np.ndarray:
         """(cells) float: volume or area of each cell; negative if left-handed."""
-        if self.metrics.is_curved:  # there is no divergence theorem for the position
-            return self._mean(self.metrics.jacobian)
-        position = self.metrics.position
-        fluxes = [
-            self._mean_dot(self._mean(position, i), area, i) / self.metrics.dimension
-            for i, area in enumerate(self.area_vectors)
-        ]
-        return self.balance(fluxes)
+        return self.metrics.joined.given(self.metrics.volumes, self.metrics.joined.cells())
+
+    @cached_property
+    def boundary(self) -> Faces:
+        """For each direction, (faces) bool: whether a face is one of the boundary, which no cut joins to anything."""
+        return self._given_faces(self.metrics.joined.boundary())
 
     # ---- operators
 
@@ -117,11 +107,7 @@ class FiniteVolumes:
             For each direction, of the shape of its faces. Those of the boundary, extrapolated from inside, may be
             overwritten by boundary conditions before `balance` sums them.
         """
-        vectors = self._in_indices(self._checked(vectors, "vectors", 3))
-        return tuple(
-            self._mean_dot(self.metrics.along(self.metrics.stencils.face, vectors, i), area, i)
-            for i, area in enumerate(self.area_vectors)
-        )
+        return self._given_faces(self._fluxes(self._checked(vectors, "vectors", 3)))
 
     def balance(self, fluxes: Faces) -> np.ndarray:
         """What flows out of each cell, of fluxes through its faces.
@@ -135,7 +121,7 @@ class FiniteVolumes:
         -------
         (ni-1, nj-1, max(nk-1, 1)) float
         """
-        return sum(self.metrics.along(DIFFERENCE, flux, i) for i, flux in enumerate(fluxes))
+        return self._given(self.metrics.balance(self._checked_faces(fluxes, "fluxes")))
 
     def divergence(self, vectors: np.ndarray) -> np.ndarray:
         """Mean divergence over each cell.
@@ -149,7 +135,8 @@ class FiniteVolumes:
         -------
         (ni-1, nj-1, max(nk-1, 1)) float
         """
-        return self.balance(self.fluxes(vectors)) / self.volumes
+        fluxes = self._fluxes(self._checked(vectors, "vectors", 3))
+        return self._given(self.metrics.balance(fluxes) / self.metrics.volumes)
 
     def gradient(self, values: np.ndarray) -> np.ndarray:
         """Mean gradient over each cell, by Gauss' theorem.
@@ -163,15 +150,14 @@ class FiniteVolumes:
         -------
         (ni-1, nj-1, max(nk-1, 1), 3) float
         """
-        values = self._in_indices(self._checked(values, "values"))
+        cells, values = self.metrics, self._in_indices(self._checked(values, "values"))
         fluxes = [
-            self._mean_product(self.metrics.along(self.metrics.stencils.face, values, i)[..., None], area, i)
-            for i, area in enumerate(self.area_vectors)
+            cells.mean_product(cells.at_faces(values, i)[..., None], area, i) for i, area in enumerate(cells.areas)
         ]
-        total = self.balance(fluxes)
-        if self.metrics.is_curved:  # area vectors do not close: the normal times the curvature is left over
-            total -= self._mean_product(values[..., None], self.balance(self.area_vectors))
-        return total / self.volumes[..., None]
+        total = cells.balance(fluxes)
+        if cells.is_curved:  # area vectors do not close: the normal times the curvature is left over
+            total -= cells.mean_product(values[..., None], cells.balance(cells.areas))
+        return self._given(total / cells.volumes[..., None])
 
     def laplacian(self, values: np.ndarray) -> np.ndarray:
         """Mean Laplacian over each cell: the balance of the gradient's fluxes through its faces.
@@ -185,7 +171,8 @@ class FiniteVolumes:
         -------
         (ni-1, nj-1, max(nk-1, 1)) float
         """
-        return self.balance(self.diffusive_fluxes(values)) / self.volumes
+        fluxes = self._diffusive_fluxes(self._checked(values, "values"))
+        return self._given(self.metrics.balance(fluxes) / self.metrics.volumes)
 
     def diffusive_fluxes(self, values: np.ndarray) -> Faces:
         """Fluxes of the gradient of a scalar through the faces.
@@ -200,20 +187,7 @@ class FiniteVolumes:
         tuple of float arrays
             As those of `fluxes`.
         """
-        values = self._in_indices(self._checked(values, "values"))
-        found = []
-        for i in range(self.metrics.dimension):
-            at_face = self.metrics.along(self.metrics.stencils.face, values, i)
-            flux = 0.0
-            for j in range(self.metrics.dimension):
-                slope = (
-                    self.metrics.along(self.metrics.stencils.face_derivative, values, i)
-                    if i == j
-                    else self.metrics.along(self.metrics.stencils.derivative, at_face, j)
-                )
-                flux = flux + self._mean_product(self._mean(self.metrics.conductance(i, j), i), slope, i)
-            found.append(flux)
-        return tuple(found)
+        return self._given_faces(self._diffusive_fluxes(self._checked(values, "values")))
 
     def convection(
         self,
@@ -243,26 +217,25 @@ class FiniteVolumes:
         -------
         (ni-1, nj-1, max(nk-1, 1)) float
         """
+        cells = self.metrics
         density = self._checked(density, "density")
         velocity = self._checked(velocity, "velocity", 3)
         source = self._checked(source, "source")
-        carried, density = self.fluxes(velocity), self._in_indices(density)
+        carried, density = self._fluxes(velocity), self._in_indices(density)
         if swept is not None:
-            carried = tuple(volume - moved for volume, moved in zip(carried, swept, strict=True))
-        fluxes = tuple(
-            self._mean_product(self.metrics.along(self.metrics.stencils.face, density, i), volume, i)
-            for i, volume in enumerate(carried)
-        )
-        return source * self.volumes - self.balance(fluxes)
+            moved = self._checked_faces(swept, "swept")
+            carried = tuple(volume - gone for volume, gone in zip(carried, moved, strict=True))
+        fluxes = [cells.mean_product(cells.at_faces(density, i), volume, i) for i, volume in enumerate(carried)]
+        return self._given(source * cells.volumes - cells.balance(cells.joined.shared(fluxes)))
 
-    def swept(self, moved: StructuredGrid) -> Faces:
+    def swept(self, moved: StructuredGrid | MultiBlock) -> Faces:
         """Volume that each face sweeps while the points move, each on a straight line, to another grid.
 
         The geometric conservation law holds for it: ``balance(swept)`` is what each cell grows by, to round-off.
 
         Parameters
         ----------
-        moved : StructuredGrid
+        moved : StructuredGrid or MultiBlock
             Of the same shape.
 
         Returns
@@ -277,59 +250,68 @@ class FiniteVolumes:
         """
         if self.order != 2:
             raise InvalidInput(f"is {self.order}; moving cells have straight edges: give order=2", parameter="order")
-        if moved.shape != self.grid.shape:
-            raise InvalidInput(f"has shape {moved.shape}, not {self.grid.shape}", parameter="moved")
-        if self.metrics.dimension == 2:
-            shift = moved.points - self.grid.points
-            if self.metrics.is_curved or np.abs(shift @ self.metrics.normal).max() > 1e-9 * self.grid.diagonal:
-                raise InvalidInput("moves a surface out of a plane; move within it, or a volume", parameter="moved")
-        position = self.metrics.position
-        normal = self.metrics.normal if self.metrics.dimension == 2 else None
-        return swept_volumes(position, position + (moved.points - self.grid.points), normal)
+        cells, blocks = self.metrics, moved.blocks if isinstance(moved, MultiBlock) else (moved,)
+        shapes, own = [block.shape for block in blocks], [block.shape for block in cells.blocks]
+        if shapes != own:
+            raise InvalidInput(f"has shape {shapes}, not {own}", parameter="moved")
+        shifts = [after.points - before.points for after, before in zip(blocks, cells.blocks, strict=True)]
+        normal = cells.normal if cells.dimension == 2 else None
+        if normal is not None and (
+            cells.is_curved or max(np.abs(shift @ normal).max() for shift in shifts) > 1e-9 * cells.extent
+        ):
+            raise InvalidInput("moves a surface out of a plane; move within it, or a volume", parameter="moved")
+        before = cells.joined.parts(cells.position, cells.joined.half())
+        found = [swept_volumes(at, at + shift, normal) for at, shift in zip(before, shifts, strict=True)]
+        return tuple(list(part) if cells.joined.several else part[0] for part in zip(*found, strict=True))
 
     # ---- inside
 
-    def _mean(self, values: np.ndarray, across: int | None = None) -> np.ndarray:
-        """Means, of values at points, over the faces across one direction, or over the cells."""
-        for axis in self.metrics.others(across):
-            values = self.metrics.along(self.metrics.stencils.mean, values, axis)
-        return values
+    def _fluxes(self, vectors: np.ndarray) -> Faces:
+        cells, vectors = self.metrics, self._in_indices(vectors)
+        fluxes = [cells.mean_dot(cells.at_faces(vectors, i), area, i) for i, area in enumerate(cells.areas)]
+        return cells.joined.shared(fluxes)
 
-    def _edges_of_surface(self) -> Faces:
-        """Area vectors of the edges of a surface's cells, which lie in the surface."""
-        if self.metrics.is_curved:
-            return tuple(self._mean(area, i) for i, area in enumerate(self.metrics.area_vectors))
-        position, normal = self.metrics.position, self.metrics.normal
-        along_i, along_j = (self.metrics.along(DIFFERENCE, position, axis) for axis in (0, 1))
-        return cross(along_j, normal), cross(normal, along_i)
-
-    def _edge_integrals(self, axis: int) -> np.ndarray:
-        """Half the integral of r x dr along each edge of one direction."""
-        position = self.metrics.position
-        step = self.metrics.along(DIFFERENCE, position, axis)
-        integral = cross(self.metrics.along(self.metrics.stencils.mean, position, axis), step)
-        if self.order == 4:
-            integral += cross(step, self.metrics.along(DIFFERENCE, self.metrics.covariant[axis], axis)) / 12
-        return 0.5 * integral
-
-    def _mean_product(self, a: np.ndarray, b: np.ndarray, across: int | None = None) -> np.ndarray:
-        """Mean of a product over faces, or cells, of the means of its factors (Colella and others)."""
-        product = a * b
-        if self.order == 4:
-            for axis in self.metrics.others(across):
-                product += self.metrics.along(SLOPE, a, axis) * self.metrics.along(SLOPE, b, axis) / 12
-        return product
-
-    def _mean_dot(self, a: np.ndarray, b: np.ndarray, across: int) -> np.ndarray:
-        return self._mean_product(a, b, across).sum(axis=-1)
+    def _diffusive_fluxes(self, values: np.ndarray) -> Faces:
+        cells, values = self.metrics, self._in_indices(values)
+        directions, stencils = range(cells.dimension), cells.stencils
+        at_faces = [cells.at_faces(values, i) for i in directions]
+        fluxes = []
+        for i in directions:
+            slopes = [
+                cells.along(stencils.face_derivative, values, i, "cells")
+                if i == j
+                else cells.along_of(stencils.derivative, at_faces, j, i, "faces", odd=False)
+                for j in directions
+            ]
+            terms = zip(cells.conductances[i], slopes, strict=True)
+            fluxes.append(sum(cells.mean_product(conductance, slope, i) for conductance, slope in terms))
+        return cells.joined.shared(fluxes)
 
     def _in_indices(self, values: np.ndarray) -> np.ndarray:
         """Means over the cells of computational space, of means over those in space, which weigh by the Jacobian."""
         if self.order == 2:
             return values
-        volumes = self.volumes.reshape(self.volumes.shape + (1,) * (values.ndim - 3))
-        return values - (self._mean_product(volumes, values) / volumes - values)
+        volumes = self.metrics.volumes.reshape(self.metrics.volumes.shape + (1,) * (values.ndim - 3))
+        return values - (self.metrics.mean_product(volumes, values) / volumes - values)
+
+    def _given(self, values: np.ndarray) -> np.ndarray:
+        """Values of cells as the user has them."""
+        return self.metrics.joined.given(values, self.metrics.joined.cells())
+
+    def _given_faces(self, fluxes: Faces) -> Faces:
+        joined = self.metrics.joined
+        return tuple(joined.given(flux, joined.faces(i)) for i, flux in enumerate(fluxes))
 
     def _checked(self, values: np.ndarray, name: str, components: int = 0) -> np.ndarray:
-        shape = (*self.grid.cell_shape, components) if components else self.grid.cell_shape
-        return checked_field(values, shape, name)
+        """The user's values of cells in one array."""
+        tail = (components,) if components else ()
+        joined = self.metrics.joined
+        return joined.taken(values, joined.cells(), name, lambda v, shape, of: checked_field(v, shape + tail, of))
+
+    def _checked_faces(self, fluxes: Faces, name: str) -> Faces:
+        joined = self.metrics.joined
+
+        def checked(values: np.ndarray, shape: tuple[int, ...], of: str) -> np.ndarray:
+            return checked_field(values, shape + np.shape(values)[3:], of)
+
+        return tuple(joined.taken(flux, joined.faces(i), f"{name}[{i}]", checked) for i, flux in enumerate(fluxes))

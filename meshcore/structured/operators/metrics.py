@@ -98,6 +98,12 @@ class Metrics:
     def _times(self, matrix, values: np.ndarray) -> np.ndarray:
         return (matrix @ values.reshape(len(values), -1)).reshape(-1, 1, 1, *values.shape[3:])
 
+    def _parts(self, values: np.ndarray) -> list[np.ndarray]:
+        """Values at points, an array of its own shape for each block."""
+        ends = np.cumsum([block.n_points for block in self.blocks])[:-1]
+        parts = [values] if self.lines is None else np.split(values, ends)
+        return [part.reshape(block.shape) for part, block in zip(parts, self.blocks, strict=True)]
+
     def others(self, i: int | None) -> list[int]:
         """The directions but one."""
         return [j for j in range(self.dimension) if j != i]
@@ -136,7 +142,7 @@ class Metrics:
         """
         base = self.covariant
         jacobian = dot(base[0], cross(base[1], base[2])) if self.dimension == 3 else dot(cross(*base), self.normal)
-        check_sign(jacobian, "Jacobian", "points")
+        check_sign(self._parts(jacobian), "Jacobian", "points")
         return jacobian
 
     @cached_property
@@ -224,19 +230,29 @@ def _joined_lines(grid: StructuredGrid | MultiBlock, order: int, blocks: tuple[S
     return JoinedLines([block.shape for block in blocks], grid.joins)
 
 
-def check_sign(values: np.ndarray, name: str, of: Literal["points", "cells"]) -> None:
-    """Raise `InvalidGeometry`, with the places, if Jacobians or volumes vanish or differ in sign.
+def check_sign(values: list[np.ndarray], name: str, of: Literal["points", "cells"]) -> None:
+    """Raise `InvalidGeometry`, with the places, if Jacobians or volumes of blocks vanish or differ in sign.
 
     Examples
     --------
-    >>> check_sign(np.array([[[-1.0], [-2.0]]]), "volume", "cells")
+    >>> check_sign([np.array([[[-1.0], [-2.0]]])], "volume", "cells")
     """
-    sign = np.sign(values)
-    bad = np.argwhere(sign != (np.sign(sign.sum()) or 1.0))
-    if len(bad):
-        raise InvalidGeometry(
-            f"has a {name} that is zero or of the other sign at {len(bad)} of {sign.size} {of}, the first at "
-            f"{tuple(bad[0].tolist())}; give a grid that does not fold or collapse there",
-            parameter="grid",
-            **{of: np.ravel_multi_index(tuple(bad.T), values.shape, order="F")},
-        )
+    sign = [np.sign(part) for part in values]
+    whole = np.sign(sum(part.sum() for part in sign)) or 1.0
+    bad = [np.argwhere(part != whole) for part in sign]
+    count = sum(map(len, bad))
+    if not count:
+        return
+    starts = np.cumsum([0, *(part.size for part in sign)])
+    numbers = [
+        start + np.ravel_multi_index(tuple(places.T), part.shape, order="F")
+        for start, places, part in zip(starts, bad, sign, strict=False)
+    ]
+    first = next(k for k, places in enumerate(bad) if len(places))
+    block = f" of block {first}" if len(values) > 1 else ""
+    raise InvalidGeometry(
+        f"has a {name} that is zero or of the other sign at {count} of {starts[-1]} {of}, the first at "
+        f"{tuple(bad[first][0].tolist())}{block}; give a grid that does not fold or collapse there",
+        parameter="grid",
+        **{of: np.concatenate(numbers)},
+    )

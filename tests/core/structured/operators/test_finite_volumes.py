@@ -1,12 +1,10 @@
 """Finite volumes on curved grids: orders, and balances that hold to round-off."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from meshcore import InvalidGeometry, InvalidInput, StructuredGrid, c_grid, gallery, quality
-from meshcore.structured import Curvilinear, FiniteVolumes
+from meshcore import InvalidGeometry, InvalidInput, StructuredGrid, quality
+from meshcore.structured import FiniteVolumes
 from tests import curved_grids as curved
 from tests.curved_grids import cell_means, inside, model, order, planar_model, rms
 
@@ -223,12 +221,3 @@ def test_folded_cells_are_refused_with_their_numbers():
 def test_bad_input_is_named(wrong, text):
     with pytest.raises(InvalidInput, match=text):
         wrong(curved.grid(curved.smooth, 8))
-
-
-def test_grids_with_cuts_are_refused_with_a_way_that_works():
-    grid, _ = c_grid(gallery.circle(32), radius=3, first_height=0.05)
-    with pytest.raises(InvalidInput, match="take `Curvilinear`") as caught:
-        FiniteVolumes(grid)
-    assert "with_halo" not in str(caught.value)  # beyond walls haloes go straight on, and may fold there
-    Curvilinear(grid)
-    FiniteVolumes(replace(grid, cuts=()))
