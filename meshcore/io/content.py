@@ -5,8 +5,6 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-import numpy as np
-
 from ..errors import InvalidInput
 
 _SIGNATURES = (
@@ -106,54 +104,6 @@ def whole(word: str, line: int, what: str) -> int:
         return int(word.replace("_", "?"))
     except ValueError:
         raise InvalidInput(f"line {line}: {word!r} is not {what}, a whole number") from None
-
-
-def numbered(text: str, comment: str = "#") -> list[tuple[int, list[str]]]:
-    """Lines as (number, words), without comments and blank lines.
-
-    Examples
-    --------
-    >>> numbered("a b # c\\n\\nd")
-    [(1, ['a', 'b']), (3, ['d'])]
-    """
-    found = []
-    for k, line in enumerate(text.split("\n"), 1):
-        words = line.split(comment, 1)[0].split()
-        if words:
-            found.append((k, words))
-    return found
-
-
-def table(lines: list[tuple[int, list[str]]], columns: int, what: str) -> np.ndarray:
-    """(n, columns) float: the first words of each line as numbers.
-
-    Raises
-    ------
-    InvalidInput
-        If a line has fewer words, or one that is no number.
-    """
-    for k, words in lines:
-        if len(words) < columns:
-            raise InvalidInput(f"line {k}: {what} needs {columns} numbers, got {' '.join(words)!r}")
-    try:
-        return np.array([words[:columns] for _, words in lines], dtype=float).reshape(-1, columns)
-    except ValueError:
-        return np.array([floats(words[:columns], k) for k, words in lines]).reshape(-1, columns)
-
-
-def whole_table(lines: list[tuple[int, list[str]]], columns: int, what: str) -> np.ndarray:
-    """(n, columns) int: like `table`, of whole numbers."""
-    for k, words in lines:
-        if len(words) < columns:
-            raise InvalidInput(f"line {k}: {what} needs {columns} numbers, got {' '.join(words)!r}")
-    try:
-        return np.array([words[:columns] for _, words in lines], dtype=np.int64).reshape(-1, columns)
-    except (ValueError, OverflowError):
-        for k, words in lines:
-            for word in words[:columns]:
-                if abs(whole(word, k, what)) >= 2**62:
-                    raise InvalidInput(f"line {k}: {word} is too large for {what}") from None
-        raise
 
 
 def exact(value: float) -> str:

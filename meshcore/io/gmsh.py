@@ -23,6 +23,8 @@ from .fit import Holds
 from .gmsh_writer import KINDS, node_order, write_msh
 from .registry import register
 
+_AHEAD = 4096  # elements that are looked at together, so that kinds that alternate do not cost the square of them
+
 
 @dataclass
 class _Found:
@@ -171,15 +173,20 @@ def _elements_2(stream: _Stream, found: _Found) -> None:
             found.blocks.append((kind, rows[:, 0], group, rows[:, 1 + tags :]))
             n -= some
         return
-    gathered: dict[str, list[list[int]]] = {}
-    for _ in range(n):
-        tag, number, tags = stream.take(3, "i8").tolist()
+    numbers = stream.take(len(stream.words) - 1, "i8")
+    while n > 0:  # runs of elements of one kind with as many tags, which are written alike
+        _, number, tags = numbers[:3].tolist() if len(numbers) > 2 else (0, 0, 0)
         kind = _kind(number)
-        values = stream.take(tags + CELL_TYPES[kind].nodes, "i8").tolist()
-        gathered.setdefault(kind, []).append([tag, values[0] if tags else 0, *values[tags:]])
-    for kind, rows in gathered.items():
-        table = np.array(rows)
-        found.blocks.append((kind, table[:, 0], table[:, 1], table[:, 2:]))
+        width = 3 + max(tags, 0) + CELL_TYPES[kind].nodes
+        ahead = min(n, _AHEAD, len(numbers) // width)
+        if not ahead or tags < 0:
+            raise InvalidInput("$Elements ends within an element, or counts its tags wrongly")
+        table = numbers[: ahead * width].reshape(ahead, width)
+        other = (table[:, 1] != number) | (table[:, 2] != tags)
+        table = table[: int(np.argmax(other)) if other.any() else ahead]
+        group = table[:, 3] if tags else np.zeros(len(table), np.int64)
+        found.blocks.append((kind, table[:, 0], group, table[:, 3 + tags :]))
+        numbers, n = numbers[table.size :], n - len(table)
 
 
 # ---- version 4.1

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from ..mesh import CELL_TYPES, Mesh
-from .content import exact
 from .fit import sets_as_tags, warn_dropped
+from .lines import rows_of
 
 KINDS = {
     15: "vertex", 1: "line", 2: "triangle", 3: "quad", 4: "tetra", 5: "hexahedron", 6: "wedge", 7: "pyramid",
@@ -65,7 +65,8 @@ def write_msh(path: Path, mesh: Mesh, *, binary: bool = True) -> None:
         if binary:
             parts.append(np.array([number, len(cells), 2], np.int32).tobytes() + rows.astype(np.int32).tobytes())
         else:
-            parts += [f"{r[0]} {number} 2 {' '.join(map(str, r[1:]))}\n".encode() for r in rows.tolist()]
+            form = f"%s {number} 2" + " %s" * (rows.shape[1] - 1)
+            parts.append(rows_of(rows, form=form).encode())
     parts.append(b"\n$EndElements\n" if binary else b"$EndElements\n")
     others = {name: values for name, values in mesh.cell_data.items() if name != "tag"}
     for section, what, arrays in (("NodeData", "point data", mesh.point_data), ("ElementData", "cell data", others)):
@@ -79,7 +80,7 @@ def write_msh(path: Path, mesh: Mesh, *, binary: bool = True) -> None:
 def _rows(values: np.ndarray, binary: bool) -> bytes:
     """Rows of real numbers behind their number from 1."""
     if not binary:
-        return "".join(f"{k} {' '.join(map(exact, row))}\n" for k, row in enumerate(values.tolist(), 1)).encode()
+        return rows_of(np.arange(len(values)) + 1, values).encode()
     rows = np.zeros(len(values), [("tag", "<i4"), ("value", "<f8", (values.shape[1],))])
     rows["tag"], rows["value"] = np.arange(len(values)) + 1, values
     return rows.tobytes() + b"\n"

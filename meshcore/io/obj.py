@@ -5,6 +5,9 @@ Texture coordinates, normals and materials are not read. A set's name with blank
 
 from __future__ import annotations
 
+import itertools
+import re
+from collections.abc import Iterator
 from pathlib import Path
 from urllib.parse import quote, unquote
 
@@ -12,90 +15,105 @@ import numpy as np
 
 from ..errors import InvalidInput
 from ..mesh import Mesh, PolyhedralMesh
-from .content import exact, floats, numbered, text_of, whole
+from .content import text_of
 from .fit import SURFACE_CELLS, Holds, warn_dropped
-from .polyhedra import polygon_lists
+from .lines import Lines, rows_of
+from .polyhedra import corner_tables
 from .ragged import POLY_LINE, POLY_VERTEX, POLYGON, cells_by_kind
 from .registry import register
 
 _ELEMENTS = {"p": (POLY_VERTEX, 1), "l": (POLY_LINE, 2), "f": (POLYGON, 3)}
-_IGNORED = {"vt", "vn", "vp", "s", "usemtl", "mtllib", "usemap", "maplib", "cstype", "deg", "lod", "shadow_obj"}
+_GROUPS = ("o", "g")
+_BEYOND_POINT = re.compile(r"/\S*")  # numbers of a corner's texture and normal
 
 
 def read_obj(path: Path) -> Mesh:
     """Points and cells of all objects and groups together, each of these a set."""
-    points: list[list[float]] = []
-    types: list[int] = []
-    corners: list[int] = []
-    sizes: list[int] = []
-    groups: dict[str, list[int]] = {}
-    current: dict[str, list[str]] = {"o": [], "g": []}
-    known = 0
-    for line, (key, *words) in numbered(text_of(path).replace("\\\n", " ")):
-        if key == "v":
-            if len(words) < 3:
-                raise InvalidInput(f"line {line}: a point needs three coordinates, got {' '.join(words)!r}")
-            points.append(floats(words[:3], line))
-        elif key in _ELEMENTS:
-            vtk_type, least = _ELEMENTS[key]
-            if len(words) < least:
-                raise InvalidInput(f"line {line}: {key} needs at least {least} points, got {len(words)}")
-            for name in dict.fromkeys(current["o"] + current["g"]):
-                groups.setdefault(name, []).append(len(types))
-            corners += [_point(word, line, len(points)) for word in words]
-            types.append(vtk_type)
-            sizes.append(len(words))
-        elif key in current:
-            names = [unquote(" ".join(words))] if key == "o" else [unquote(word) for word in words]
-            current[key] = [name for name in names if name]
-        known += key == "v" or key in _ELEMENTS or key in _IGNORED or key in current
-    if not points or not known:
+    lines = Lines.of(text_of(path).replace("\\\n", " "))
+    keys = [text.split(None, 1)[0] for text in lines.texts]
+    place: dict[str, list[int]] = {}
+    for k, key in enumerate(keys):
+        place.setdefault(key, []).append(k)
+    if "v" not in place:
         raise InvalidInput("it holds no points (lines that begin with v)")
-    offsets = np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
-    xyz = np.array(points)
-    cells, origin = cells_by_kind(np.array(types, np.int64), np.array(corners, np.int64), offsets, xyz)
-    sets = {name: np.flatnonzero(np.isin(origin, members)) for name, members in groups.items()}
-    return Mesh(xyz, cells, sets=sets)
+    points = np.array(place["v"])
+    xyz = lines[points].table(3, "a point", first=1)
+    cells = np.sort(np.array([k for key in _ELEMENTS for k in place.get(key, [])], np.int64))
+    types, corners, offsets = _listed(lines[cells], [keys[k] for k in cells.tolist()], np.searchsorted(points, cells))
+    kinds, origin = cells_by_kind(types, corners, offsets, xyz)
+    named = sorted(k for key in _GROUPS for k in place.get(key, []))
+    groups = _groups([lines[k] for k in named], np.searchsorted(cells, np.array(named, np.int64)), len(cells))
+    return Mesh(xyz, kinds, sets={name: np.flatnonzero(np.isin(origin, members)) for name, members in groups.items()})
 
 
-def _point(word: str, line: int, n_points: int) -> int:
-    """Number of a point, from 0; the file counts from 1, or from the last point backwards."""
-    k = whole(word.split("/")[0], line, "the number of a point")
-    at = k - 1 if k > 0 else n_points + k
-    if k == 0 or at < 0:
-        raise InvalidInput(f"line {line}: {word!r} refers to no point; {n_points} stand before it")
-    return at
+def _listed(lines: Lines, keys: list[str], known: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Types of elements, and their points from 0; ``known`` points stand before each in the file."""
+    texts = [_BEYOND_POINT.sub("", text) if "/" in text else text for text in lines.texts]
+    sizes = np.fromiter((len(text.split()) - 1 for text in texts), np.int64, len(texts))
+    types, least = np.array([_ELEMENTS[key] for key in keys], np.int64).reshape(-1, 2).T
+    if (sizes < least).any():
+        bad = int(np.argmax(sizes < least))
+        raise InvalidInput(
+            f"line {lines.numbers[bad]}: {keys[bad]} needs at least {least[bad]} points, got {sizes[bad]}"
+        )
+    corners, offsets = Lines(texts, lines.numbers).ragged(sizes, "an element", first=1)
+    # The file counts from 1, or from the last point backwards.
+    row = np.repeat(np.arange(len(sizes)), sizes)
+    at = np.where(corners > 0, corners - 1, known[row] + corners)
+    if (wrong := (corners == 0) | (at < 0)).any():
+        bad = int(np.argmax(wrong))
+        line = lines.numbers[row[bad]]
+        raise InvalidInput(f"line {line}: {corners[bad]} refers to no point; {known[row[bad]]} stand before it")
+    return types, at, offsets
+
+
+def _groups(lines: list[tuple[int, list[str]]], first: np.ndarray, count: int) -> dict[str, np.ndarray]:
+    """Elements by the names of objects and groups; ``first`` are those that come behind each line that names some."""
+    current: dict[str, list[str]] = {key: [] for key in _GROUPS}
+    groups: dict[str, list[np.ndarray]] = {}
+    for (_, (key, *words)), begin, end in zip(lines, first.tolist(), [*first[1:].tolist(), count], strict=False):
+        names = [unquote(" ".join(words))] if key == "o" else [unquote(word) for word in words]
+        current[key] = [name for name in names if name]
+        if begin < end:
+            for name in dict.fromkeys(current["o"] + current["g"]):
+                groups.setdefault(name, []).append(np.arange(begin, end))
+    return {name: np.concatenate(parts) for name, parts in groups.items()}
 
 
 def write_obj(path: Path, mesh: Mesh | PolyhedralMesh) -> None:
     """Every digit of the points; a cell may be in several groups."""
-    lines = ["# written by meshcore", *(f"v {exact(x)} {exact(y)} {exact(z)}" for x, y, z in mesh.points.tolist())]
-    if isinstance(mesh, PolyhedralMesh):
-        lines += [" ".join(["f", *(str(node + 1) for node in nodes)]) for nodes in polygon_lists(mesh)]
-    else:
-        lines += _grouped_cells(mesh)
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write("# written by meshcore\n" + rows_of(mesh.points, form="v %s %s %s"))
+        if isinstance(mesh, PolyhedralMesh):
+            for corners in corner_tables(mesh):
+                file.write(_elements("f", corners))
+        else:
+            file.writelines(_grouped_cells(mesh))
 
 
-def _grouped_cells(mesh: Mesh) -> list[str]:
-    """A line a cell, and one wherever the groups that cells are in change."""
+def _elements(key: str, corners: np.ndarray) -> str:
+    return rows_of(corners + 1, form=" ".join([key, *["%s"] * corners.shape[1]]))
+
+
+def _grouped_cells(mesh: Mesh) -> Iterator[str]:
+    """Runs of cells in the same groups, each behind a line that names these where they change."""
     warn_dropped("sets", [name for name, members in mesh.sets.items() if not len(members)], "OBJ has no empty groups")
-    inside: list[list[str]] = [[] for _ in range(mesh.n_cells)]
+    inside: dict[int, list[str]] = {}
     for name, members in mesh.sets.items():
         for k in np.unique(members).tolist():
-            inside[k].append(quote(name, safe="/:+,()=&"))
-    lines: list[str] = []
+            inside.setdefault(k, []).append(quote(name, safe="/:+,()=&"))
     current: list[str] = []
-    number = 0
-    for kind, cells, _ in mesh.blocks():
+    for kind, cells, where in mesh.blocks():
         key = {"vertex": "p", "line": "l"}.get(kind, "f")
-        for nodes in (cells + 1).tolist():
-            if inside[number] != current:
-                current = inside[number]
-                lines.append(" ".join(["g", *current]))
-            lines.append(" ".join([key, *map(str, nodes)]))
-            number += 1
-    return lines
+        groups = [inside.get(k, []) for k in range(where.start, where.stop)]
+        begin = 0
+        for names, run in itertools.groupby(groups):
+            if names != current:
+                current = names
+                yield " ".join(["g", *names]) + "\n"
+            end = begin + len(list(run))
+            yield _elements(key, cells[begin:end])
+            begin = end
 
 
 register(

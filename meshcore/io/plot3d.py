@@ -24,8 +24,9 @@ from ..errors import InvalidInput
 from ..mesh import Mesh, MultiBlock, StructuredGrid
 from ..mesh.patches import UNNAMED
 from .bounded import bounded
-from .content import exact, floats, number
+from .content import floats, number
 from .fit import Holds, warn_dropped
+from .lines import rows_of, wrapped
 from .neutral_map import SUFFIX, read_map, write_map
 from .registry import AnyMesh, register
 from .vtk_data import GRID, DataSet, decoded, together
@@ -98,15 +99,9 @@ def _data_set(sizes: tuple[int, ...], values: list[np.ndarray], iblank: np.ndarr
 
 
 def _from_text(data: bytes) -> list[DataSet]:
-    words: list[str] = []
-    for word in data.decode("ascii", errors="replace").replace(",", " ").split():
-        repeated = _REPEATED.fullmatch(word)
-        if not repeated:
-            words.append(word)
-        elif int(repeated.group(1)) > 64 * len(data):
-            raise InvalidInput(f"{word!r} repeats a number more often than a file of this length can mean")
-        else:
-            words += [repeated.group(2)] * int(repeated.group(1))
+    words = data.decode("ascii", errors="replace").replace(",", " ").split()
+    if b"*" in data:
+        words = _repeated(words, 64 * len(data))
     heading = [int(word) if word.lstrip("+").isdigit() and len(word) < 12 else -1 for word in words[:64]]
     heading += [-1] * (64 - len(heading))
     if 64 < 1 + 3 * max(heading[0], 0) <= len(words):
@@ -121,6 +116,20 @@ def _from_text(data: bytes) -> list[DataSet]:
         f"its {len(words)} numbers fit no PLOT3D layout; the first are {' '.join(words[:6])}"
         + ("" if all(number(w) is not None for w in words[:6]) else ", not all of them numbers")
     )
+
+
+def _repeated(words: list[str], most: int) -> list[str]:
+    """Words with those such as 3*0.0 written out."""
+    found: list[str] = []
+    for word in words:
+        repeated = _REPEATED.fullmatch(word) if "*" in word else None
+        if not repeated:
+            found.append(word)
+        elif int(repeated.group(1)) > most:
+            raise InvalidInput(f"{word!r} repeats a number more often than a file of this length can mean")
+        else:
+            found += [repeated.group(2)] * int(repeated.group(1))
+    return found
 
 
 def _text_blocks(words: list[str], layout: _Layout) -> list[DataSet]:
@@ -305,12 +314,9 @@ def _body(block: StructuredGrid, dimension: int, blanked: bool) -> list[np.ndarr
 
 
 def _write_text(path: Path, heading: list[np.ndarray], bodies: list[list[np.ndarray]]) -> None:
-    lines = [" ".join(map(str, numbers.tolist())) for numbers in heading]
-    for body in bodies:
-        for values in body:
-            words = [exact(v) if isinstance(v, float) else str(v) for v in values.tolist()]
-            lines += [" ".join(words[k : k + 6]) for k in range(0, len(words), 6)]
-    path.write_text("\n".join(lines) + "\n", encoding="ascii")
+    parts = [rows_of(numbers[None]) for numbers in heading]
+    parts += [wrapped(values, 6) for body in bodies for values in body]
+    path.write_text("".join(parts), encoding="ascii")
 
 
 register(

@@ -15,8 +15,10 @@ import numpy as np
 
 from ..errors import InvalidInput
 from ..mesh import Mesh, PolyhedralMesh
-from .content import exact, floats, whole
+from .content import whole
 from .fit import Holds, columns_of, warn_dropped
+from .lines import Lines, rows_of
+from .polyhedra import corner_tables
 from .ragged import LINE, POLYGON, cells_by_kind
 from .registry import register
 
@@ -107,39 +109,40 @@ def _short(element: _Element, held: int) -> InvalidInput:
 def _text_tables(body: bytes, elements: list[_Element]) -> dict[str, _Table]:
     if b"\0" in body:
         raise InvalidInput("its values are binary, and the header says text")
-    lines = [line.split() for line in body.decode("latin-1").splitlines() if line.strip()]
+    lines = Lines.of("\n".join(body.decode("latin-1").splitlines()), comment="\0")
     tables, at = {}, 0
     for element in elements:
-        rows = lines[at : at + element.count]
-        if len(rows) < element.count:
-            raise _short(element, len(rows))
+        held = lines[at : at + element.count]
+        if len(held) < element.count:
+            raise _short(element, len(held))
         at += element.count
-        tables[element.name] = _text_table(element, rows)
+        tables[element.name] = _text_table(element, held)
     return tables
 
 
-def _text_table(element: _Element, rows: list[list[str]]) -> _Table:
-    values: list[list[float]] = [[] for _ in element.properties]
-    sizes: list[list[int]] = [[] for _ in element.properties]
-    for k, words in enumerate(rows):
-        at = 0
-        for column, size, p in zip(values, sizes, element.properties, strict=True):
-            n = 1
-            if p.count_type:
-                n = whole(words[at], k, "a count") if at < len(words) else -1
-                size.append(n)
-                at += 1
-            if n < 0 or at + n > len(words):
-                raise InvalidInput(f"{element.name} {k} has too few values: {' '.join(words)[:60]!r}")
-            column += floats(words[at : at + n], k)
-            at += n
-    table = _Table()
-    for column, size, p in zip(values, sizes, element.properties, strict=True):
-        array = _typed(np.array(column, float), p, element.name)
+def _text_table(element: _Element, lines: Lines) -> _Table:
+    """Columns and lists; of each list the length comes first, which tells where the next property begins."""
+    what = f"a line of {element.name}"
+    begins = [np.zeros(len(lines), np.int64)]
+    sizes: dict[str, np.ndarray] = {}
+    for p in element.properties:
+        words = np.ones(len(lines), np.int64)
         if p.count_type:
-            table.lists[p.name] = (np.array(size, np.int64), array)
+            sizes[p.name], _ = lines.ragged(words, what, first=begins[-1])
+            if (sizes[p.name] < 0).any():
+                raise InvalidInput(f"line {lines.numbers[np.argmin(sizes[p.name])]}: a list has a negative length")
+            words = words + sizes[p.name]
+        begins.append(begins[-1] + words)
+    values, offsets = lines.ragged(begins[-1], what, real=True)
+    table = _Table()
+    for p, begin in zip(element.properties, begins, strict=False):
+        at = offsets[:-1] + begin
+        if p.count_type:
+            size = sizes[p.name]
+            place = np.arange(size.sum()) + np.repeat(at + 1 - (np.cumsum(size) - size), size)
+            table.lists[p.name] = (size, _typed(values[place], p, element.name))
         else:
-            table.columns[p.name] = array
+            table.columns[p.name] = _typed(values[at], p, element.name)
     return table
 
 
@@ -317,16 +320,14 @@ def _rows(columns: dict[str, np.ndarray], corners: np.ndarray | None) -> np.ndar
 
 def _polygon_rows(mesh: PolyhedralMesh, columns: dict[str, np.ndarray]) -> list[np.ndarray]:
     """Records of faces in their order; those with as many corners that follow each other in one array."""
-    sizes = np.diff(mesh.face_offsets)
-    if not len(sizes):
-        return [_rows(columns, np.empty((0, 3), np.int64))]
-    if sizes.max() > 255:
-        raise InvalidInput(f"has a polygon of {sizes.max()} corners, PLY counts to 255; write .vtu", parameter="mesh")
-    runs = np.flatnonzero(np.concatenate([[True], sizes[1:] != sizes[:-1], [True]]))
-    found = []
-    for first, last in zip(runs.tolist(), runs[1:].tolist(), strict=False):
-        corners = mesh.face_nodes[mesh.face_offsets[first] : mesh.face_offsets[last]].reshape(last - first, -1)
+    tables = corner_tables(mesh) or [np.empty((0, 3), np.int64)]
+    if (most := max(corners.shape[1] for corners in tables)) > 255:
+        raise InvalidInput(f"has a polygon of {most} corners, PLY counts to 255; write .vtu", parameter="mesh")
+    found, first = [], 0
+    for corners in tables:
+        last = first + len(corners)
         found.append(_rows({name: values[first:last] for name, values in columns.items()}, corners))
+        first = last
     return found
 
 
@@ -343,21 +344,12 @@ def _write(path: Path, parts: list[tuple[str, list[np.ndarray]]], binary: bool) 
     with open(path, "wb") as file:
         file.write("\n".join(header).encode())
         for _, parts_of_one in parts:
-            for rows in parts_of_one:
-                file.write(rows.tobytes() if binary else _text(rows))
+            for records in parts_of_one:
+                file.write(records.tobytes() if binary else _text(records))
 
 
-def _text(rows: np.ndarray) -> bytes:
-    lines = []
-    for row in rows.tolist():
-        words: list[str] = []
-        for value in row:
-            flat = value.tolist() if isinstance(value, np.ndarray) else value
-            words += [
-                exact(v) if isinstance(v, float) else str(v) for v in (flat if isinstance(flat, list) else [flat])
-            ]
-        lines.append(" ".join(words))
-    return ("\n".join(lines) + "\n").encode() if lines else b""
+def _text(records: np.ndarray) -> bytes:
+    return rows_of(*(records[name] for name in records.dtype.names)).encode()
 
 
 register(

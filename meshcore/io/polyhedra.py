@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import itertools
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Union
 
 import numpy as np
 
 from ..errors import InvalidInput
-from ..mesh import BY_VTK, PolyhedralMesh, polygons
+from ..mesh import BY_VTK, Mesh, PolyhedralMesh, polygons
 from .ragged import POLYGON
 
 if TYPE_CHECKING:
@@ -159,13 +158,17 @@ def joined_faces(
     return PolyhedralMesh(points, rows, corners, cell[kept], neighbour[kept], **arrays)
 
 
-def polygon_lists(mesh: PolyhedralMesh) -> list[list[int]]:
-    """The nodes of each face.
+def corner_tables(mesh: Union[Mesh, PolyhedralMesh]) -> list[np.ndarray]:
+    """The corners of the cells, or of a polyhedral mesh's faces: an (m, k) table for each run that has as many.
 
     Examples
     --------
-    >>> polygon_lists(PolyhedralMesh([[0, 0], [1, 0], [0, 1]], [0, 3], [0, 1, 2]))
-    [[0, 1, 2]]
+    >>> corner_tables(PolyhedralMesh([[0, 0], [1, 0], [0, 1]], [0, 3], [0, 1, 2]))
+    [array([[0, 1, 2]])]
     """
-    nodes, offsets = mesh.face_nodes.tolist(), mesh.face_offsets.tolist()
-    return [nodes[a:b] for a, b in itertools.pairwise(offsets)]
+    if isinstance(mesh, Mesh):
+        return [cells for cells in mesh.cells.values() if len(cells)]
+    sizes = np.diff(mesh.face_offsets)
+    starts = np.flatnonzero(np.concatenate([sizes[:1] > 0, sizes[1:] != sizes[:-1]]))
+    nodes = np.split(mesh.face_nodes, mesh.face_offsets[starts[1:]])
+    return [part.reshape(-1, sizes[start]) for start, part in zip(starts, nodes, strict=False)]

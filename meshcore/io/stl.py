@@ -13,8 +13,8 @@ import numpy as np
 
 from ..errors import InvalidInput
 from ..mesh import Mesh
-from .content import exact, floats
 from .fit import FormatWarning, Holds
+from .lines import Lines, rows_of
 from .registry import register
 
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("extra", "<u2")])
@@ -54,32 +54,33 @@ def _merged(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return corners[first[order]], place[inverse.reshape(-1)].reshape(-1, 3)
 
 
+_PARTS = {key: k for k, key in enumerate(("solid", "facet", "outer", "vertex", "endloop", "endfacet", "endsolid"))}
+
+
 def _text_corners(text: str) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    corners: list[list[float]] = []
-    solids: dict[str, list[int]] = {}
-    name, facet, inside = "", 0, False
-    for k, line in enumerate(text.splitlines(), 1):
-        words = line.split()
-        key = words[0].lower() if words else ""
-        if key == "solid":
-            name, inside = " ".join(words[1:]) or f"solid {len(solids)}", True
-            solids.setdefault(name, [])
-        elif key == "vertex":
-            if len(words) < 4:
-                raise InvalidInput(f"line {k}: a corner needs three coordinates, got {line.strip()!r}")
-            corners.append(floats(words[1:4], k))
-        elif key == "endfacet":
-            if len(corners) != facet + 3:
-                raise InvalidInput(f"line {k}: a facet has {len(corners) - facet} corners, it needs three")
-            facet = len(corners)
-            solids[name].append(facet // 3 - 1)
-        elif key == "endsolid":
-            inside = False
-        elif key and key not in ("facet", "outer", "endloop"):
-            raise InvalidInput(f"line {k}: {line.strip()[:40]!r} is no part of an STL file")
-    if inside or len(corners) != facet:
+    """Corners, three a triangle, and the triangles of each solid."""
+    lines = Lines.of("\n".join(text.splitlines()), comment="\0")
+    part = np.array([_PARTS.get(words.split(None, 1)[0].lower(), -1) for words in lines.texts], np.int64)
+    if (part < 0).any():
+        line, words = lines[int(np.argmin(part))]
+        raise InvalidInput(f"line {line}: {' '.join(words)[:40]!r} is no part of an STL file")
+    solid, vertex, endfacet, endsolid = (
+        np.flatnonzero(part == _PARTS[key]) for key in ("solid", "vertex", "endfacet", "endsolid")
+    )
+    corners = lines[vertex].table(3, "a corner", first=1)
+    held = np.diff(np.searchsorted(vertex, endfacet), prepend=0)
+    if (held != 3).any():
+        bad = int(np.argmax(held != 3))
+        line = lines.numbers[endfacet[bad]]
+        raise InvalidInput(f"line {line}: a facet has {held[bad]} corners, it needs three")
+    if len(corners) != 3 * len(endfacet) or len(endsolid) < 1 or endsolid[-1] < solid[-1]:
         raise InvalidInput("the file ends before 'endsolid'")
-    return np.array(corners).reshape(-1, 3), {n: np.array(v, np.int64) for n, v in solids.items()}
+    solids: dict[str, list[np.ndarray]] = {}
+    ends = np.searchsorted(endfacet, np.append(solid, len(lines)))
+    for k, line in enumerate(solid.tolist()):
+        name = " ".join(lines[line][1][1:]) or f"solid {len(solids)}"
+        solids.setdefault(name, []).append(np.arange(ends[k], ends[k + 1]))
+    return corners, {name: np.concatenate(parts) for name, parts in solids.items()}
 
 
 def write_stl(path: Path, mesh: Mesh, *, binary: bool = True) -> None:
@@ -91,12 +92,9 @@ def write_stl(path: Path, mesh: Mesh, *, binary: bool = True) -> None:
     if binary:
         _write_binary(path, corners, normals)
         return
-    lines = ["solid meshcore"]
-    for normal, triangle in zip(normals.tolist(), corners.tolist(), strict=True):
-        lines += [f"facet normal {' '.join(map(exact, normal))}", "outer loop"]
-        lines += [f"vertex {' '.join(map(exact, corner))}" for corner in triangle]
-        lines += ["endloop", "endfacet"]
-    path.write_text("\n".join([*lines, "endsolid meshcore"]) + "\n", encoding="utf-8")
+    facet = "facet normal %s %s %s\nouter loop\n" + "vertex %s %s %s\n" * 3 + "endloop\nendfacet"
+    text = rows_of(normals, corners.reshape(-1, 9), form=facet)
+    path.write_text(f"solid meshcore\n{text}endsolid meshcore\n", encoding="utf-8")
 
 
 def _write_binary(path: Path, corners: np.ndarray, normals: np.ndarray) -> None:

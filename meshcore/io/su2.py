@@ -18,20 +18,22 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InvalidInput
-from ..mesh import BY_VTK, CELL_TYPES, Mesh
-from .content import exact, numbered, table, text_of, whole
+from ..mesh import CELL_TYPES, Mesh
+from .content import text_of, whole
 from .fit import Holds, warn_dropped
+from .lines import Lines, rows_of
 from .ragged import cells_by_kind
 from .registry import register
 
 _KINDS = ("line", "triangle", "quad", "tetra", "hexahedron", "wedge", "pyramid")
+_SIZES = {1: 1, **{CELL_TYPES[kind].vtk: CELL_TYPES[kind].nodes for kind in _KINDS}}
+"""Points of each type of element; a vertex, type 1, ends a marker for periodic or parallel runs, and a Mesh has it."""
 _UNNAMED = "unnamed"
-Lines = list[tuple[int, list[str]]]
 
 
 def read_su2(path: Path) -> Mesh:
     """Domain and markers."""
-    lines = numbered(text_of(path).replace("=", " = "), comment="%")
+    lines = Lines.of(text_of(path).replace("=", " = "), comment="%")
     dimension, elements, points, markers = 0, None, None, []
     at = 0
     while at < len(lines):
@@ -54,13 +56,13 @@ def read_su2(path: Path) -> Mesh:
             name = " ".join(words[2:])
             if at >= len(lines) or lines[at][1][0].upper() != "MARKER_ELEMS" or len(lines[at][1]) < 3:
                 raise InvalidInput(f"line {line}: the marker {name!r} needs MARKER_ELEMS= behind it")
-            rows, at = _rows(lines, at + 1, *_count(lines[at]), "elements of a marker")
-            markers.append((name, rows))
+            found, at = _rows(lines, at + 1, *_count(lines[at]), "elements of a marker")
+            markers.append((name, found))
             while at < len(lines) and lines[at][1][0].upper() == "SEND_TO":
                 at += 1
     if not dimension or elements is None or points is None:
         raise InvalidInput("it lacks NDIME=, NELEM= or NPOIN=")
-    return _mesh(table(points, dimension, "a point"), elements, markers)
+    return _mesh(points.table(dimension, "a point"), elements, markers)
 
 
 def _count(row: tuple[int, list[str]]) -> tuple[int, str]:
@@ -75,29 +77,34 @@ def _rows(lines: Lines, at: int, line: int, count: str, what: str) -> tuple[Line
 
 
 def _mesh(points: np.ndarray, elements: Lines, markers: list[tuple[str, Lines]]) -> Mesh:
-    types, sizes, corners = [], [], []
-    for line, words in elements + [row for _, rows in markers for row in rows]:
-        number = whole(words[0], line, "a type of element")
-        if number == 1:  # a vertex ends a marker for periodic or parallel runs; a Mesh has it too
-            size = 1
-        elif number in BY_VTK and BY_VTK[number].name in _KINDS:
-            size = BY_VTK[number].nodes
-        else:
-            raise InvalidInput(f"line {line}: {number} is no type of element of SU2")
-        if len(words) < 1 + size:
-            raise InvalidInput(f"line {line}: an element of type {number} needs {size} points, got {len(words) - 1}")
-        types.append(number)
-        sizes.append(size)
-        corners += [whole(word, line, "the number of a point") for word in words[1 : 1 + size]]
-    offsets = np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
+    parts = [_elements(part) for part in (elements, *(part for _, part in markers))]
+    types, corners = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+    offsets = np.concatenate([[0], np.cumsum(_size_of(types))]).astype(np.int64)
     xyz = points if points.shape[1] == 3 else np.column_stack([points, np.zeros(len(points))])
-    cells, origin = cells_by_kind(np.array(types, np.int64), np.array(corners, np.int64), offsets, xyz)
-    sets: dict[str, list[int]] = {}
+    cells, origin = cells_by_kind(types, corners, offsets, xyz)
+    sets: dict[str, list[np.ndarray]] = {}
     begin = len(elements)
-    for name, rows in markers:
-        sets.setdefault(name, []).extend(np.flatnonzero((origin >= begin) & (origin < begin + len(rows))).tolist())
-        begin += len(rows)
-    return Mesh(xyz, cells, sets={name: np.array(members, np.int64) for name, members in sets.items()})
+    for name, part in markers:
+        members = np.flatnonzero((origin >= begin) & (origin < begin + len(part)))
+        sets.setdefault(name, []).append(members)
+        begin += len(part)
+    return Mesh(xyz, cells, sets={name: np.concatenate(members) for name, members in sets.items()})
+
+
+def _elements(lines: Lines) -> tuple[np.ndarray, np.ndarray]:
+    """VTK's types of elements, which are SU2's too, and the points of one after the other."""
+    types = lines.whole(1, "an element")[:, 0]
+    known = np.isin(types, list(_SIZES))
+    if not known.all():
+        odd = int(np.argmin(known))
+        raise InvalidInput(f"line {lines.numbers[odd]}: {types[odd]} is no type of element of SU2")
+    return types, lines.ragged(_size_of(types), "an element", first=1)[0]
+
+
+def _size_of(types: np.ndarray) -> np.ndarray:
+    sizes = np.zeros(max(_SIZES) + 1, np.int64)
+    sizes[list(_SIZES)] = list(_SIZES.values())
+    return sizes[types]
 
 
 def write_su2(path: Path, mesh: Mesh) -> None:
@@ -106,40 +113,41 @@ def write_su2(path: Path, mesh: Mesh) -> None:
     flat = dimension < 3 and mesh.is_planar
     if dimension not in (2, 3) or (dimension == 2 and not flat):
         raise InvalidInput("has no domain: SU2 needs triangles or quads with z = 0, or volume cells", parameter="mesh")
-    kinds = [(kind, cells, where) for kind, cells, where in mesh.blocks()]
-    if low := [kind for kind, _, _ in kinds if CELL_TYPES[kind].dimension < dimension - 1]:
+    if low := [kind for kind in mesh.cells if CELL_TYPES[kind].dimension < dimension - 1]:
         raise InvalidInput(f"has {low[0]} cells, which are no boundary of the domain", parameter="mesh")
-    rows: list[str] = [""] * mesh.n_cells
-    is_domain = np.zeros(mesh.n_cells, bool)
-    for kind, cells, where in kinds:
-        is_domain[where] = CELL_TYPES[kind].dimension == dimension
-        text = str(CELL_TYPES[kind].vtk)
-        rows[where] = [" ".join([text, *map(str, nodes)]) for nodes in cells.tolist()]
-    domain = np.flatnonzero(is_domain).tolist()
-    lines = [f"NDIME= {2 if flat else 3}", f"NELEM= {len(domain)}"]
-    lines += [f"{rows[k]} {n}" for n, k in enumerate(domain)]
-    lines.append(f"NPOIN= {mesh.n_points}")
+    is_domain = np.concatenate(
+        [np.full(len(cells), CELL_TYPES[kind].dimension == dimension) for kind, cells, _ in mesh.blocks()]
+    )
+    number = np.cumsum(is_domain) - 1
     columns = mesh.points[:, :2] if flat else mesh.points
-    lines += [" ".join([*map(exact, p), str(k)]) for k, p in enumerate(columns.tolist())]
     markers = _markers(mesh, is_domain)
-    lines.append(f"NMARK= {len(markers)}")
-    for name, members in markers.items():
-        lines += [f"MARKER_TAG= {name}", f"MARKER_ELEMS= {len(members)}", *(rows[k] for k in members)]
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(f"NDIME= {2 if flat else 3}\nNELEM= {is_domain.sum()}\n")
+        for kind, cells, where in mesh.blocks():
+            if CELL_TYPES[kind].dimension == dimension:
+                file.write(rows_of(np.full(len(cells), CELL_TYPES[kind].vtk), cells, number[where]))
+        file.write(f"NPOIN= {mesh.n_points}\n")
+        file.write(rows_of(columns, np.arange(mesh.n_points)))
+        file.write(f"NMARK= {len(markers)}\n")
+        for name, members in markers.items():
+            file.write(f"MARKER_TAG= {name}\nMARKER_ELEMS= {len(members)}\n")
+            for kind, cells, where in mesh.blocks():
+                some = cells[members[(members >= where.start) & (members < where.stop)] - where.start]
+                file.write(rows_of(np.full(len(some), CELL_TYPES[kind].vtk), some))
 
 
-def _markers(mesh: Mesh, is_domain: np.ndarray) -> dict[str, list[int]]:
+def _markers(mesh: Mesh, is_domain: np.ndarray) -> dict[str, np.ndarray]:
     """Each boundary cell in one marker."""
     free, markers, dropped = ~is_domain, {}, []
     for name, members in mesh.sets.items():
         if is_domain[members].any() or not free[members].all():
             dropped.append(name)
             continue
-        markers[_tag(name, markers)] = np.unique(members).tolist()
+        markers[_tag(name, markers)] = np.unique(members)
         free[members] = False
     warn_dropped("sets", dropped, "a marker of SU2 holds boundary cells that no other marker has")
     if free.any():
-        markers[_tag(_UNNAMED, markers)] = np.flatnonzero(free).tolist()
+        markers[_tag(_UNNAMED, markers)] = np.flatnonzero(free)
     return markers
 
 

@@ -15,21 +15,19 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from ..errors import InvalidInput
 from ..mesh import Mesh
-from .content import exact, numbered, table, text_of, whole, whole_table
+from .content import text_of, whole
 from .fit import Holds, columns_of, sets_as_tags
+from .lines import Lines, rows_of
 from .registry import register
 
 # Triangle's fourth node is opposite the first corner; VTK's is between the first and the second.
 _TO_VTK = np.array([0, 1, 2, 5, 3, 4])
 _FROM_VTK = np.array([0, 1, 2, 4, 5, 3])
-
-Lines = list[tuple[int, list[str]]]
 
 
 class _Reader:
@@ -37,7 +35,7 @@ class _Reader:
 
     def __init__(self, path: Path):
         text = text_of(path)
-        self.lines: Lines = numbered(text)
+        self.lines = Lines.of(text)
         self.at = 0
         named = re.search(r"^# meshcore (\{.*\})$", text, flags=re.MULTILINE)
         self.names: dict[str, list[str]] = _names(named.group(1)) if named else {}
@@ -78,19 +76,15 @@ def _names(text: str) -> dict[str, list[str]]:
 
 def _column(rows: Lines, k: int, what: str) -> np.ndarray:
     """Column ``k``: whole numbers if all are written so."""
-    short = [line for line, words in rows if len(words) <= k]
-    if short:
-        raise InvalidInput(f"line {short[0]}: {what} needs {k + 1} numbers")
-    words = [(line, [words[k]]) for line, words in rows]
-    if all(w[0].lstrip("+-").isdigit() for _, w in words):
-        return whole_table(words, 1, what)[:, 0]
-    return table(words, 1, what)[:, 0]
+    whole_numbers = rows.whole_or_none(1, first=k)
+    return (rows.table(1, what, first=k) if whole_numbers is None else whole_numbers)[:, 0]
 
 
 def _attributes(rows: Lines, first: int, count: int, names: list[str], what: str) -> dict[str, np.ndarray]:
-    line, widest = max(((line, len(words)) for line, words in rows), key=lambda row: row[1])
-    if count > widest - first:
-        raise InvalidInput(f"{count} attributes are promised, but line {line}, the longest, has {widest} numbers")
+    longest = max(range(len(rows)), key=lambda k: len(rows.texts[k]))
+    line, words = rows[longest]
+    if count > len(rows.texts[longest]):
+        raise InvalidInput(f"{count} attributes are promised, but line {line}, the longest, has {len(words)} numbers")
     if len(names) != count:
         names = [f"attribute {k + 1}" for k in range(count)]
     return {name: _column(rows, first + k, what) for k, name in enumerate(names)}
@@ -104,32 +98,31 @@ def _points(reader: _Reader) -> tuple[np.ndarray, dict[str, np.ndarray], int]:
     rows = reader.rows(count, "points")
     if not rows:
         return np.empty((0, 3)), {}, 0
-    wide = min(len(words) for _, words in rows)
-    if wide < 3:
-        raise InvalidInput(f"line {next(line for line, w in rows if len(w) == wide)}: a point needs a number, x and y")
+    xy = rows.table(2, "a point, with its number,", first=1)
     number = _column(rows, 0, "a point")
-    start = int(number[0])
-    if start not in (0, 1) or (number != start + np.arange(count)).any():
+    start = int(number[0] == 1)
+    if (number != start + np.arange(count)).any():
         bad = int(np.argmax(number != start + np.arange(count)))
-        raise InvalidInput(f"line {rows[bad][0]}: points are to be numbered in order, from 0 or 1; got {number[bad]}")
+        raise InvalidInput(
+            f"line {rows.numbers[bad]}: points are to be numbered in order, from 0 or 1; got {number[bad]}"
+        )
     data = _attributes(rows, 3, attributes, reader.names.get("point_data", []), "a point")
     if markers:
         data["tag"] = _column(rows, 3 + attributes, "a point with its marker")
-    xy = table([(line, words[1:]) for line, words in rows], 2, "a point")
     bad = np.flatnonzero(~np.isfinite(xy).all(axis=1))
     if len(bad):
-        raise InvalidInput(f"line {rows[bad[0]][0]}: the coordinates are {xy[bad[0]].tolist()}")
+        raise InvalidInput(f"line {rows.numbers[bad[0]]}: the coordinates are {xy[bad[0]].tolist()}")
     return xy, data, start
 
 
 def _refer(rows: Lines, columns: int, start: int, n_points: int, what: str) -> np.ndarray:
     """(m, columns) int: points of cells, from 0."""
-    nodes = whole_table([(line, words[1:]) for line, words in rows], columns, what) - start
+    nodes = rows.whole(columns, what, first=1) - start
     bad = np.flatnonzero(((nodes < 0) | (nodes >= n_points)).any(axis=1))
     if len(bad):
         raise InvalidInput(
-            f"line {rows[bad[0]][0]}: {what} refers to points {(nodes[bad[0]] + start).tolist()}, but they go from "
-            f"{start} to {n_points - 1 + start}"
+            f"line {rows.numbers[bad[0]]}: {what} refers to points {(nodes[bad[0]] + start).tolist()}, but they go "
+            f"from {start} to {n_points - 1 + start}"
         )
     return nodes
 
@@ -167,13 +160,13 @@ def _holes_and_regions(reader: _Reader) -> dict[str, np.ndarray]:
     count = 0 if reader.done else reader.header("holes", 1)[0]
     if count:
         rows = reader.rows(count, "holes")
-        found["holes"] = table([(line, words[1:]) for line, words in rows], 2, "a hole")
+        found["holes"] = rows.table(2, "a hole", first=1)
     count = 0 if reader.done else reader.header("regions", 1)[0]
     if count:
-        rows = [(line, words[1:]) for line, words in reader.rows(count, "regions")]
+        rows = reader.rows(count, "regions")
         # With one number behind the place, it is the attribute if areas are not asked for: the area is left open.
-        rows = [(line, words + ["-1"] if len(words) == 3 else words) for line, words in rows]
-        found["regions"] = table(rows, 4, "a region")
+        texts = [text + " -1" if len(text.split()) == 4 else text for text in rows.texts]
+        found["regions"] = Lines(texts, rows.numbers).table(4, "a region", first=1)
     for name, values in found.items():
         if not np.isfinite(values).all():
             raise InvalidInput(f"the {name} have coordinates that are not finite")
@@ -209,42 +202,40 @@ def _triangulation(node: Path, ele: Path) -> Mesh:
     return Mesh(points, {kind: cells}, point_data, data)
 
 
-def _text(value: Any) -> str:
-    return exact(value) if isinstance(value, (float, np.floating)) else str(int(value))
-
-
-def _comment(**names: list[str]) -> list[str]:
+def _comment(**names: list[str]) -> str:
     names = {key: values for key, values in names.items() if values}
-    return [f"# meshcore {json.dumps(names)}"] if names else []
+    return f"# meshcore {json.dumps(names)}\n" if names else ""
 
 
-def _node_lines(mesh: Mesh) -> tuple[list[str], list[str]]:
+def _node_text(mesh: Mesh) -> tuple[str, list[str]]:
     """The section of points, and the names of its attributes."""
     data = columns_of(mesh.point_data, "point data", "Triangle")
     tag = data.get("tag")
     has_marker = tag is not None and tag.dtype.kind in "biu"
     columns = {key: v for key, v in data.items() if key != "tag" or not has_marker}
-    lines = [f"{mesh.n_points} 2 {len(columns)} {int(has_marker)}"]
     ordered = [*columns.values(), *([tag] if has_marker else [])]
-    for k, (x, y, _) in enumerate(mesh.points.tolist()):
-        lines.append(" ".join([str(k + 1), exact(x), exact(y), *(_text(c[k]) for c in ordered)]))
-    return lines, list(columns)
+    head = f"{mesh.n_points} 2 {len(columns)} {int(has_marker)}\n"
+    return head + rows_of(_count(mesh.points), mesh.points[:, :2], *ordered), list(columns)
+
+
+def _count(values: np.ndarray) -> np.ndarray:
+    """Numbers of rows, from 1."""
+    return np.arange(len(values)) + 1
 
 
 def write_poly(path: Path, mesh: Mesh) -> None:
     """Points, segments, holes and regions in one file, counted from 1."""
-    nodes, names = _node_lines(mesh)
+    nodes, names = _node_text(mesh)
     tags, sets = sets_as_tags(mesh, "Triangle")
-    lines = mesh.get("line") + 1
-    text = [f"{len(lines)} {int(tags is not None)}"]
-    for k, (a, b) in enumerate(lines.tolist(), 1):
-        text.append(f"{k} {a} {b}" + (f" {tags[k - 1]}" if tags is not None else ""))
-    holes = _field(mesh, "holes", 2)
-    text += [str(len(holes)), *(f"{k} {exact(x)} {exact(y)}" for k, (x, y) in enumerate(holes, 1))]
-    regions = _field(mesh, "regions", 4)
-    text += [str(len(regions)), *(" ".join([str(k), *map(exact, row)]) for k, row in enumerate(regions, 1))]
-    comment = _comment(point_data=names, sets=sets)
-    path.write_text("\n".join([*comment, *nodes, *text]) + "\n", encoding="utf-8")
+    lines, holes, regions = mesh.get("line") + 1, _field(mesh, "holes", 2), _field(mesh, "regions", 4)
+    parts = [
+        _comment(point_data=names, sets=sets),
+        nodes,
+        f"{len(lines)} {int(tags is not None)}\n",
+        rows_of(_count(lines), lines, *([] if tags is None else [tags])),
+        *(f"{len(places)}\n{rows_of(_count(places), places)}" for places in (holes, regions)),
+    ]
+    path.write_text("".join(parts), encoding="utf-8")
 
 
 def _field(mesh: Mesh, name: str, columns: int) -> np.ndarray:
@@ -258,8 +249,8 @@ def _field(mesh: Mesh, name: str, columns: int) -> np.ndarray:
 
 def write_node(path: Path, mesh: Mesh) -> None:
     """The points alone, counted from 1."""
-    lines, names = _node_lines(mesh)
-    path.write_text("\n".join([*_comment(point_data=names), *lines]) + "\n", encoding="utf-8")
+    nodes, names = _node_text(mesh)
+    path.write_text(_comment(point_data=names) + nodes, encoding="utf-8")
 
 
 def write_ele(path: Path, mesh: Mesh) -> None:
@@ -270,10 +261,8 @@ def write_ele(path: Path, mesh: Mesh) -> None:
     kind = kinds[0] if kinds else "triangle"
     cells = mesh.get(kind)[:, _FROM_VTK] if kind == "triangle6" else mesh.get(kind)
     data = columns_of(mesh.cell_data, "cell data", "Triangle")
-    lines = [*_comment(cell_data=list(data)), f"{len(cells)} {cells.shape[1]} {len(data)}"]
-    for k, nodes in enumerate((cells + 1).tolist()):
-        lines.append(" ".join([str(k + 1), *map(str, nodes), *(_text(c[k]) for c in data.values())]))
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    head = f"{_comment(cell_data=list(data))}{len(cells)} {cells.shape[1]} {len(data)}\n"
+    path.write_text(head + rows_of(_count(cells), cells + 1, *data.values()), encoding="utf-8")
     write_node(path.with_suffix(".node"), mesh)
 
 

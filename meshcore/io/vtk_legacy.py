@@ -16,8 +16,9 @@ import numpy as np
 
 from ..errors import InvalidInput
 from ..mesh import Mesh, PolyhedralMesh, StructuredGrid
-from .content import exact, whole
+from .content import whole
 from .fit import ALL_CELLS, Holds
+from .lines import wrapped
 from .ragged import POLY_LINE, POLY_VERTEX, POLYGON, TRIANGLE_STRIP
 from .registry import register
 from .vtk_data import GRID, MESH, DataSet, decoded, encoded
@@ -363,11 +364,7 @@ class _Writer:
         elif self.binary:
             self.parts.append(values.astype(values.dtype.newbyteorder(">")).tobytes() + b"\n")
         else:
-            rows = values.reshape(len(values), -1) if values.size else values.reshape(0, 1)
-            words = [str(v) for v in rows.ravel()] if values.dtype == np.float32 else [
-                exact(v) if isinstance(v, float) else str(v) for v in rows.ravel().tolist()
-            ]  # fmt: skip
-            self.line("\n".join(" ".join(words[k : k + 9]) for k in range(0, len(words), 9)))
+            self.line(wrapped(values.ravel(), 9).rstrip("\n"))
 
     def _strings(self, values: np.ndarray) -> None:
         for text in values.ravel().tolist():

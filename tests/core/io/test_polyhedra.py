@@ -71,7 +71,7 @@ def test_polygons_are_written_whole_as_surfaces(tmp_path, extension):
     mesh = hexagon_and_square()
     mc.io.write(path, PolyhedralMesh(mesh.points, mesh.face_offsets, mesh.face_nodes))
     surface = pyvista.read(path)
-    assert [len(face) for face in surface.irregular_faces] == [6, 4]
+    assert [cell.n_points for cell in surface.cell] == [6, 4]
     np.testing.assert_allclose(surface.points, mesh.points, atol=1e-7)
 
 
