@@ -42,6 +42,7 @@ NUMBERS = {
     "figure_29_constrained_delaunay": None,
     "flow_past_a_cylinder": 64 * 192,
     "grid_quality": None,
+    "laplace_round_a_cylinder": 4 * 4 * 40 * 40,
     "layers_on_surfaces": 88000,
     "moving_grid": 48 * 48,
     "passage_between_six_faces": 24 * 20 * 20,
