@@ -4,40 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...geometry import predicates
 from ...geometry.alternating_digital_tree import Tree
 from . import _front_crossing_kernels as kernels
 from .front_graph import FrontGraph
 
-LEVELS = 6
-"""Layers looked at: the outermost one, and those at the surface's size, half of it, a quarter and so on; and twice."""
 
+def clear_layers(graph: FrontGraph, layers: np.ndarray) -> tuple[int, int]:
+    """How many of the layers do not lie over one another, and a node where the next one does, or -1.
 
-def crossing_node(graph: FrontGraph, points: np.ndarray) -> int:
-    """A node of a front where it passes through itself, or -1.
-
-    Quads count as two triangles. An edge that passes through a triangle of which it has no node is looked for, by an
-    alternating digital tree.
-    """
-    faces = graph.faces
-    quads = faces[:, 3] >= 0
-    triangles = np.concatenate([faces[:, :3], faces[quads][:, [0, 2, 3]]])
-    corners = points[triangles]
-    tree = Tree(corners.min(axis=1), corners.max(axis=1))
-    node = np.repeat(np.arange(len(points)), np.diff(graph.start))
-    edges = np.column_stack([node, graph.ring])[node < graph.ring]
-    crossed = np.empty(len(edges), np.int64)
-    kernels.crossings(
-        0, len(edges), points, edges, triangles, tree.order, tree.right, tree.first, tree.bounds,
-        np.empty(kernels.DEPTH, np.int64), crossed,
-    )  # fmt: skip
-    found = np.flatnonzero(crossed >= 0)
-    return int(edges[found[0], 0]) if len(found) else -1
-
-
-def clear_layers(graph: FrontGraph, layers: np.ndarray, distance: np.ndarray) -> tuple[int, int]:
-    """How many of the layers do not cross themselves, and a node where the next one does, or -1.
-
-    Layers lie in one another, so the last that is clear is found by halving.
+    What the layers fill grows from layer to layer, so the last that is clear is found by halving; and once they lie
+    over one another they do so for ever, so that mostly one look is enough.
 
     Parameters
     ----------
@@ -45,28 +22,98 @@ def clear_layers(graph: FrontGraph, layers: np.ndarray, distance: np.ndarray) ->
         The surface.
     layers : (k + 1, n, 3) float
         The surface and its layers.
-    distance : (k + 1,) float
-        How far each is from the surface.
     """
     last = len(layers) - 1
-    size = float(np.linalg.norm(np.ptp(graph.points, axis=0)))
-    steps = np.arange(1 - LEVELS, max(1, int(np.log2(distance[-1] / size)) + 1))
-    looked = np.append(np.searchsorted(distance, size * 2.0**steps), last)
     clear, bad, node = 0, last + 1, -1
-    for k in np.unique(looked[(looked > 0) & (looked <= last)]).tolist():
-        node = crossing_node(graph, layers[k])
-        if node >= 0:
-            bad = k
-            break
-        clear = k
+    middle = last
     while bad - clear > 1:
-        middle = (clear + bad) // 2
-        found = crossing_node(graph, layers[middle])
+        found = overlapping_node(graph, layers[: middle + 1])
         if found >= 0:
             bad, node = middle, found
         else:
             clear = middle
+        middle = (clear + bad) // 2
     return (last, -1) if node < 0 else (clear, node)
+
+
+def overlapping_node(graph: FrontGraph, layers: np.ndarray) -> int:
+    """A node above which what the layers fill lies over itself, or -1.
+
+    Cells that are all sound fill each place once if and only if the boundary of what they fill, surface, outermost
+    layer and the sheets that edges leave, does not pass through itself, and no part of it lies in another.
+    """
+    n = len(graph.points)
+    faces = _boundary(graph, len(layers) - 1)
+    quads = faces[:, 3] >= 0
+    triangles = np.concatenate([faces[:, :3], faces[quads][:, [0, 2, 3]]])
+    points = np.ascontiguousarray(layers.reshape(-1, 3))
+    node = _crossing(points, np.arange(len(points)) % n, triangles, _edges(faces))
+    if node >= 0 or not graph.part.any():
+        return node
+    part = np.empty(n, np.int64)
+    part[graph.faces[:, :3]] = graph.part[:, None]
+    part[graph.faces[graph.faces[:, 3] >= 0, 3]] = graph.part[graph.faces[:, 3] >= 0]
+    return _inside_another(points, part[triangles[:, 0] % n], triangles, part)
+
+
+def _boundary(graph: FrontGraph, count: int) -> np.ndarray:
+    """(m, 4) int: faces of the boundary of ``count`` layers, outwards; of none the surface."""
+    n = len(graph.points)
+    outer = np.where(graph.faces < 0, -1, graph.faces + n * count)
+    if count == 0:
+        return outer
+    triangle = graph.faces[:, 3:] < 0
+    wall = np.where(triangle, graph.faces[:, [0, 2, 1, 3]], graph.faces[:, [0, 3, 2, 1]])
+    edge = np.flatnonzero(graph.opened)
+    after = graph.ring[graph.start[edge]]
+    sheet = np.column_stack([after + n, edge + n, edge, after])
+    sheets = (sheet + n * np.arange(count)[:, None, None]).reshape(-1, 4)
+    return np.concatenate([outer, wall, sheets])
+
+
+def _edges(faces: np.ndarray) -> np.ndarray:
+    """(k, 2) int: the edges of faces, each once."""
+    after = np.roll(faces, -1, axis=1)
+    triangle = faces[:, 3] < 0
+    after[triangle, 2] = faces[triangle, 0]
+    ends = np.stack([faces, after], axis=-1)[faces >= 0]
+    ends = ends[(ends >= 0).all(axis=1)]
+    return np.unique(np.sort(ends, axis=1), axis=0)
+
+
+def _crossing(points: np.ndarray, column: np.ndarray, triangles: np.ndarray, edges: np.ndarray) -> int:
+    """The column of an edge that passes through a triangle of none of its columns, or -1; by a tree of the boxes."""
+    corners = points[triangles]
+    tree = Tree(corners.min(axis=1), corners.max(axis=1))
+    crossed = np.empty(len(edges), np.int64)
+    kernels.crossings(
+        0, len(edges), points, column, edges, triangles, tree.order, tree.right, tree.first, tree.bounds,
+        np.empty(kernels.DEPTH, np.int64), predicates.workspace(), crossed,
+    )  # fmt: skip
+    found = np.flatnonzero(crossed >= 0)
+    return int(column[edges[found[0], 0]]) if len(found) else -1
+
+
+def _inside_another(points: np.ndarray, owner: np.ndarray, triangles: np.ndarray, part: np.ndarray) -> int:
+    """A node of a part that lies wholly in what another fills, or -1: it is wound round by the other's boundary."""
+    nodes = np.unique(part, return_index=True)[1]
+    for k in range(len(nodes)):
+        corners = points[triangles[owner == k]]
+        low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+        near = nodes[((points[nodes] >= low) & (points[nodes] <= high)).all(axis=1)]
+        for node in near[part[near] != k].tolist():
+            if abs(_winding(corners - points[node])) > 0.5:
+                return node
+    return -1
+
+
+def _winding(corners: np.ndarray) -> float:
+    """How often (m, 3, 3) triangles of a closed surface go round the origin (A. van Oosterom, J. Strackee, 1983)."""
+    a, b, c = corners.transpose(1, 0, 2)
+    u, v, w = (np.linalg.norm(x, axis=1) for x in (a, b, c))
+    volume = np.einsum("ij,ij->i", a, np.cross(b, c))
+    scale = u * v * w + (a * b).sum(axis=1) * w + (b * c).sum(axis=1) * u + (c * a).sum(axis=1) * v
+    return float(np.arctan2(volume, scale).sum() / (2 * np.pi))
 
 
 def emptied_layer(graph: FrontGraph, layers: np.ndarray) -> int:

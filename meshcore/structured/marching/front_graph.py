@@ -117,8 +117,24 @@ def reversed_faces(faces: np.ndarray) -> np.ndarray:
     return np.where(faces[:, 3:] < 0, faces[:, [0, 2, 1, 3]], quad)
 
 
-def front_graph(points: np.ndarray, faces: np.ndarray, part: np.ndarray) -> FrontGraph:
+def front_graph(
+    points: np.ndarray,
+    faces: np.ndarray,
+    part: np.ndarray,
+    *,
+    corners: np.ndarray | None = None,
+    marching: int | None = None,
+) -> FrontGraph:
     """The graph of faces that are turned alike.
+
+    Parameters
+    ----------
+    points, faces, part
+        As those of the graph.
+    corners : (m, 4) bool, optional
+        Corners of the faces that nodes see; by default all.
+    marching : int, optional
+        Number of nodes with a ring, which come first; the others only have places.
 
     Raises
     ------
@@ -129,11 +145,12 @@ def front_graph(points: np.ndarray, faces: np.ndarray, part: np.ndarray) -> Fron
     before = np.roll(faces, 1, axis=1)
     triangle = faces[:, 3] < 0
     before[triangle, 0] = faces[triangle, 2]
-    where = np.flatnonzero((faces >= 0).ravel())
+    where = np.flatnonzero((faces >= 0 if corners is None else corners).ravel())
     node = faces.ravel()[where]
     order = np.argsort(node, kind="stable")
-    corner_start = np.concatenate([[0], np.cumsum(np.bincount(node, minlength=len(points)))])
-    start, opened = np.empty(len(points) + 1, np.int64), np.zeros(len(points), np.int64)
+    count = len(points) if marching is None else marching
+    corner_start = np.concatenate([[0], np.cumsum(np.bincount(node, minlength=count))])
+    start, opened = np.empty(count + 1, np.int64), np.zeros(len(points), np.int64)
     ring = np.empty(2 * len(node), np.int64)
     bad = kernels.rings(corner_start, after.ravel()[where][order], before.ravel()[where][order], start, ring, opened)
     if bad >= 0:
@@ -142,6 +159,7 @@ def front_graph(points: np.ndarray, faces: np.ndarray, part: np.ndarray) -> Fron
             parameter="surface",
             points=(bad,),
         )
+    start = np.concatenate([start, np.full(len(points) - count, start[-1])])
     return FrontGraph(points, faces, start, ring[: start[-1]].copy(), opened, part)
 
 

@@ -17,9 +17,10 @@ from ...report import Report, Result
 from ...threads import checked_threads
 from ..layer_report import layers_told
 from ..limits import check_size
-from .front_crossing import clear_layers, crossing_node, emptied_layer
-from .front_edges import EdgeChoice, Side, held_edges
+from .edge_conditions import EdgeChoice, front_edges
+from .front_crossing import clear_layers, emptied_layer, overlapping_node
 from .front_graph import FrontGraph, at
+from .layer_cuts import with_cuts
 from .layer_marching import Outcome, first_normals, marched
 from .layer_surface import LayerSurface, read_surface
 from .marching_parameters import (
@@ -45,6 +46,10 @@ def hyperbolic_volume(
         Union[Mesh, StructuredGrid, MultiBlock],
         Port("The surface to march from: triangles and quads, closed or open", cells=("triangle", "quad")),
     ],
+    guide: Annotated[
+        Union[Mesh, StructuredGrid, None],
+        Port("Surface or curves that edges stay on", cells=("triangle", "quad", "line"), named=True),
+    ] = None,
     *,
     first_height: FirstHeightParam = Relative(0.001),
     growth: GrowthParam = 1.15,
@@ -56,6 +61,10 @@ def hyperbolic_volume(
         EdgeChoice,
         Param("What edges of an open surface do: planes of symmetry found, or all alike", group="Edges"),
     ] = "automatic",
+    each_edge: Annotated[
+        str,
+        Param("What single edges do, by their names: imin = plane, zmax = splay 20, vertex 7 = free", group="Edges"),
+    ] = "",
     splay: SplayParam = 15.0,
     threads: int | None = None,
     progress: Progress = silent,
@@ -93,9 +102,19 @@ def hyperbolic_volume(
         Heights stay below.
     other_side : bool
         March into a closed surface, or to the back of an open one.
-    edges : {"automatic", "free", "plane", "constant x", "constant y", "constant z", "splay"}
-        What the edges of an open surface do. "automatic" finds planes of symmetry: sides in a plane that the surface
-        meets within 30 degrees of a right angle; other sides are free. "constant x" keeps x at all edges.
+    guide : Mesh or StructuredGrid, optional
+        A surface, such as a wall next to this one, or curves, on which edges stay that ask for it or lie on it. Beyond
+        its end it goes straight on.
+    edges : {"automatic", "free", "plane", "constant x", "constant y", "constant z", "splay", "guide", "periodic"}
+        What the edges of an open surface do. "automatic" keeps those on the guide that lie on it, and finds planes of
+        symmetry: sides in a plane that the surface meets within 30 degrees of a right angle; other sides are free.
+        "constant x" keeps x at all edges. "periodic" edges are each other's image, moved or turned, in pairs.
+    each_edge : str
+        What single edges do, in place of `edges`: names and conditions as in "imin = periodic, imax = periodic,
+        zmin = constant z". An edge ends at corners of more than 40 degrees. Its names are those of a grid's sides,
+        "imin" to "jmax", alone or after the block's name, and what the grid calls them; those of the sets of a mesh's
+        line cells, and their tags, as "tag 3"; "vertex 7" is the edge of a mesh with that point; "xmin" to "zmax" an
+        edge all of which lies where the surface has its least x, or its largest z. Where two meet, both hold.
     splay : float
         Degrees by which edges that splay lean outwards.
     threads : int, optional
@@ -107,9 +126,10 @@ def hyperbolic_volume(
     -------
     Result
         From a `StructuredGrid` (ni, nj, 1) one of (ni, nj, layers + 1), whose faces kmin and kmax are "wall" and
-        "outer"; from a `MultiBlock` one of such blocks; from a `Mesh` one of "hexahedron" and "wedge" cells, with the
-        number of the layer in ``cell_data["layer"]``. If the march had to stop it has fewer layers, `converged` is
-        False, a warning says at which point, layer and concavity, and ``cell_data["stopped"]`` marks the cells there.
+        "outer", and whose cuts tell the periodic edges; from a `MultiBlock` one of such blocks; from a `Mesh` one of
+        "hexahedron" and "wedge" cells, with the number of the layer in ``cell_data["layer"]``. If the march had to
+        stop it has fewer layers, `converged` is False, a warning says at which point, layer and concavity, and
+        ``cell_data["stopped"]`` marks the cells there.
 
     Raises
     ------
@@ -146,19 +166,22 @@ def hyperbolic_volume(
     check_size(len(graph.points), 1 if layers is None else layers + 1, parameter="layers")
     heights = asked_heights(first_height, growth, layers, distance, largest_height, diagonal=diagonal)
     check_size(len(graph.points), len(heights) + 1, parameter="layers")
-    hold, sides = held_edges(graph, first_normals(graph), edges, splay)
-    made, outcome = marched(graph, heights, hold=hold, threads=threads, progress=part_of(progress, 0.0, 0.8))
+    front = front_edges(ready, first_normals(graph), edges, each_edge, splay, guide)
+    part = part_of(progress, 0.0, 0.8)
+    made, outcome = marched(front.graph, heights, hold=front.hold, threads=threads, progress=part)
     advance(progress, 0.8, "checking the layers")
-    made = _without_crossings(ready, made, heights, outcome)
-    warnings = [*ready.warnings, *_told_edges(graph, sides, edges)]
+    made, outcome.stopped_at = front.of_surface(made, outcome.stopped_at)
+    made = _without_crossings(ready, made, outcome)
+    warnings = [*ready.warnings, *front.warnings]
     if outcome.stopped_at >= 0:
         warnings.append(_told_stop(graph, made, outcome, len(heights)))
         if len(made) == 1:
             raise GenerationFailed(f"no layer could be made: {warnings[-1]}")
-    return _reported(ready, made, heights, outcome, warnings)
+    result, untold = with_cuts(ready, front.pairs, ready.layered(made))
+    return _reported(ready, result, made, heights, outcome, warnings + untold)
 
 
-def _without_crossings(ready: LayerSurface, made: np.ndarray, heights: np.ndarray, outcome: Outcome) -> np.ndarray:
+def _without_crossings(ready: LayerSurface, made: np.ndarray, outcome: Outcome) -> np.ndarray:
     """The layers up to where the front meets itself, or fronts of several surfaces meet."""
     graph = ready.graph
     if ready.is_closed and not ready.inwards and not graph.part.any() and not is_concave(graph):
@@ -169,25 +192,28 @@ def _without_crossings(ready: LayerSurface, made: np.ndarray, heights: np.ndarra
         made = made[:left]
     if len(made) == 1:
         return made
-    distance = np.concatenate([[0.0], np.cumsum(heights[: len(made) - 1])])
-    clear, node = clear_layers(graph, made, distance)
+    clear, node = clear_layers(graph, made)
     if node < 0:
         return made
-    if clear == 0 and (node := crossing_node(graph, graph.points)) >= 0:
+    if clear == 0 and (crossing := overlapping_node(graph, graph.points[None])) >= 0:
         raise InvalidGeometry(
-            f"passes through itself near {at(graph.points[node])}; separate or unite its parts",
+            f"passes through itself near {at(graph.points[crossing])}; separate or unite its parts",
             parameter="surface",
-            points=np.flatnonzero(ready.number == node),
+            points=np.flatnonzero(ready.number == crossing),
         )
     outcome.stopped_at, outcome.why = node, "would meet another part of the front"
     return made[: clear + 1]
 
 
 def _reported(
-    ready: LayerSurface, made: np.ndarray, heights: np.ndarray, outcome: Outcome, warnings: list[str]
+    ready: LayerSurface,
+    result: Union[Mesh, StructuredGrid, MultiBlock],
+    made: np.ndarray,
+    heights: np.ndarray,
+    outcome: Outcome,
+    warnings: list[str],
 ) -> Result:
     count = len(made) - 1
-    result = ready.layered(made)
     blocks = result.blocks if isinstance(result, MultiBlock) else (result,)
     if not isinstance(result, Mesh):  # whose corners were all tested, and whose facets are those of the surface
         for block in blocks:
@@ -225,20 +251,6 @@ def _summary(blocks: Sequence[StructuredGrid]) -> dict[str, float]:
         else float(np.average([q[name] for q in found], weights=cells))
         for name in found[0]
     }
-
-
-def _told_edges(graph: FrontGraph, sides: list[Side], choice: EdgeChoice) -> list[str]:
-    """What was found at the edges of an open surface, if it was left to us."""
-    if choice != "automatic" or not sides:
-        return []
-    planes = sum(side.plane is not None for side in sides)
-    if planes == len(sides):
-        return []
-    first = next(side for side in sides if side.plane is None)
-    return [
-        f"the surface is open: {planes} of its {len(sides)} edges stay in planes of symmetry, the others are free, "
-        f"the first near {at(graph.points[first.nodes[0]])}; close holes, or choose what edges do"
-    ]
 
 
 def _told_stop(graph: FrontGraph, made: np.ndarray, outcome: Outcome, asked: int) -> str:

@@ -124,14 +124,15 @@ class _March:
         n, k = len(graph.points), len(graph.ring)
         self.topology = (graph.start, graph.ring, graph.opened)
         self.held = (self.hold.row, self.hold.projectors)
-        self.leaning = np.flatnonzero(self.hold.free) if self.hold.splay else np.empty(0, np.int64)
         self.normal, self.ahead, self.right, self.old, self.new = (np.zeros((n, 3)) for _ in range(5))
-        self.strength, self.narrow, self.worst, self.zone, self.new_zone = (np.zeros(n) for _ in range(5))
+        self.strength, self.zone, self.new_zone = (np.zeros(n) for _ in range(3))
+        self.narrow, self.worst = np.ones(n), np.ones(n)  # of nodes that march; images of them never fold first
         self.weight, self.ratio, self.now = (np.zeros(k) for _ in range(3))
         ends = np.repeat(graph.points, np.diff(graph.start), axis=0)
         self.spacing = np.linalg.norm(graph.points[graph.ring] - ends, axis=1)
         self._find_normals(graph.points)
         self._run(kernels.ring_weights, graph.points, self.normal, *self.topology, self.hold.free, self.weight)
+        self.hold.weigh(self.weight, graph.start)
 
     def all(self, heights: Sequence[float], progress: Progress) -> np.ndarray:
         """(k + 1, n, 3): the surface and all layers that are sound."""
@@ -185,8 +186,11 @@ class _March:
             self.zone, self.new_zone, self.strength, self.right,
         )  # fmt: skip
         self.zone, self.new_zone = self.new_zone, self.zone
+        self.hold.images.set_numbers(self.zone)
         self._solve(ENOUGH * step)
-        return self.ahead + self.old, part
+        front = self.ahead + self.old
+        self.hold.settle(front)
+        return front, part
 
     def _solve(self, enough: float) -> None:
         """Find the corrections of a step, in ``old``."""
@@ -203,6 +207,7 @@ class _March:
                 )
             )  # fmt: skip
             self.old, self.new = self.new, self.old
+            self.hold.images.set_vectors(self.old)
             self.outcome.sweeps += 1
             if change <= enough:
                 break
@@ -213,22 +218,14 @@ class _March:
         self.outcome.residual = max(self.outcome.residual, change / enough * ENOUGH)
 
     def _find_normals(self, front: np.ndarray) -> None:
+        self.hold.aim(front)
         self._run(kernels.normals, front, *self.topology, *self.held, self.normal)
-        if len(self.leaning):
-            self._lean(front)
-
-    def _lean(self, front: np.ndarray) -> None:
-        """Turn the normals on free edges outwards."""
-        nodes, ring, start = self.leaning, self.graph.ring, self.graph.start
-        along = front[ring[start[nodes]]] - front[ring[start[nodes + 1] - 1]]
-        outwards = np.cross(along, self.normal[nodes])
-        outwards /= np.linalg.norm(outwards, axis=1, keepdims=True)
-        angle = np.radians(self.hold.splay)
-        self.normal[nodes] = np.cos(angle) * self.normal[nodes] + np.sin(angle) * outwards
+        self.hold.lean(front, self.normal)
+        self.hold.images.set_vectors(self.normal)
 
     def _run(self, kernel: Callable[..., float | None], *arguments: object) -> list[float | None]:
-        """Call a kernel on all nodes, shared by threads; what each part returned."""
-        n, returned = len(self.graph.points), []
+        """Call a kernel on all nodes that march, shared by threads; what each part returned."""
+        n, returned = self.hold.marching, []
         self.workers.run(
             lambda first, last: returned.append(kernel(first, last, *arguments)),
             0,

@@ -24,8 +24,10 @@ class LayerSurface:
     ----------
     graph : FrontGraph
         Nodes and faces, counter-clockwise from the side that is marched to.
-    given : Mesh, StructuredGrid or MultiBlock
+    source : Mesh, StructuredGrid or MultiBlock
         The surface.
+    given : Mesh, StructuredGrid or MultiBlock
+        What layers are given back like: the surface, or a mesh in place of grids with poles.
     number : (points of all blocks,) int
         The node of each point of the given surface; -1 if no face has it.
     reversed : bool
@@ -37,6 +39,7 @@ class LayerSurface:
     """
 
     graph: FrontGraph
+    source: Mesh | StructuredGrid | MultiBlock
     given: Mesh | StructuredGrid | MultiBlock
     number: np.ndarray
     reversed: bool
@@ -60,7 +63,7 @@ class LayerSurface:
             points[:, :, 0] = block.points[:, :, 0]  # to the last bit, also where blocks meet within rounding
             grid = StructuredGrid(points, names={**block.names, **_NAMES}, periodic=block.periodic)
             grids.append(grid.reversed_along_i() if self.reversed else grid)
-        return grids[0] if isinstance(self.given, StructuredGrid) else replace(self.given, blocks=tuple(grids))
+        return grids[0] if isinstance(self.given, StructuredGrid) else MultiBlock(tuple(grids), self.given.names)
 
     def marked(self, result: Mesh | StructuredGrid | MultiBlock, node: int) -> Mesh | StructuredGrid | MultiBlock:
         """The layers with ``cell_data["stopped"]``: 1 at the outermost cells that have a node."""
@@ -139,9 +142,8 @@ def read_surface(
     faces = reversed_faces(faces) if other_side else faces
     graph = front_graph(points, faces, part)
     _refuse_flat(graph)
-    return LayerSurface(
-        graph, _without_collapse(surface, faces, warnings), number, inward ^ other_side, other_side, warnings
-    )
+    given = _without_collapse(surface, faces, warnings)
+    return LayerSurface(graph, surface, given, number, inward ^ other_side, other_side, warnings)
 
 
 def _blocks(surface: StructuredGrid | MultiBlock) -> tuple[StructuredGrid, ...]:
