@@ -1829,6 +1829,15 @@ class meshcoreHyperbolicGrid(Operation):
       <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
       <Documentation>The surface to march from: triangles and quads, closed or open.</Documentation>
     </InputProperty>
+    <InputProperty name="Guide" label="Guide" port_index="1" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Surface or curves that edges stay on.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
     <DoubleVectorProperty name="FirstHeight" label="First Height" command="SetFirstHeight" number_of_elements="1" default_values="-1" panel_visibility="default">
       <BoundsDomain name="range" mode="scaled_extent" scale_factor="0.001"><RequiredProperties><Property name="Input" function="Input"/></RequiredProperties></BoundsDomain>
       <Documentation>Height of the first layer; -1 takes 0.1% of the diagonal of the input's bounding
@@ -1856,9 +1865,13 @@ class meshcoreHyperbolicGrid(Operation):
       <Documentation>March into a closed surface, or to the back of an open one.</Documentation>
     </IntVectorProperty>
     <IntVectorProperty name="Edges" label="Edges" command="SetEdges" number_of_elements="1" default_values="0" panel_visibility="default">
-      <EnumerationDomain name="enum"><Entry value="0" text="automatic"/><Entry value="1" text="free"/><Entry value="2" text="plane"/><Entry value="3" text="constant x"/><Entry value="4" text="constant y"/><Entry value="5" text="constant z"/><Entry value="6" text="splay"/></EnumerationDomain>
+      <EnumerationDomain name="enum"><Entry value="0" text="automatic"/><Entry value="1" text="free"/><Entry value="2" text="plane"/><Entry value="3" text="constant x"/><Entry value="4" text="constant y"/><Entry value="5" text="constant z"/><Entry value="6" text="splay"/><Entry value="7" text="guide"/><Entry value="8" text="periodic"/></EnumerationDomain>
       <Documentation>What edges of an open surface do: planes of symmetry found, or all alike.</Documentation>
     </IntVectorProperty>
+    <StringVectorProperty name="EachEdge" label="Each Edge" command="SetEachEdge" number_of_elements="1" default_values="" panel_visibility="default">
+      <Documentation>What single edges do, by their names: imin = plane, zmax = splay 20, vertex 7 =
+      free.</Documentation>
+    </StringVectorProperty>
     <DoubleVectorProperty name="Splay" label="Splay" command="SetSplay" number_of_elements="1" default_values="15.0" panel_visibility="default">
       <DoubleRangeDomain name="range" min="0" max="80"/>
       <Documentation>By how much edges that splay lean outwards, in degrees.</Documentation>
@@ -1875,6 +1888,7 @@ class meshcoreHyperbolicGrid(Operation):
     </PropertyGroup>
     <PropertyGroup label="Edges">
       <Property name="Edges"/>
+      <Property name="EachEdge"/>
       <Property name="Splay"/>
     </PropertyGroup>
     """
@@ -1882,7 +1896,7 @@ class meshcoreHyperbolicGrid(Operation):
 class meshcoreExtrudeHyperbolic(Operation):
     operation = "hyperbolic_volume"
     label = "meshcore Extrude Hyperbolic"
-    ports = (("surface", "either", False),)
+    ports = (("surface", "either", False), ("guide", "either", True))
     output = "vtkUnstructuredGrid"
 
     def SetFirstHeight(self, value):
@@ -1904,7 +1918,10 @@ class meshcoreExtrudeHyperbolic(Operation):
         self.set("other_side", bool(value))
 
     def SetEdges(self, value):
-        self.set("edges", ('automatic', 'free', 'plane', 'constant x', 'constant y', 'constant z', 'splay')[value])
+        self.set("edges", ('automatic', 'free', 'plane', 'constant x', 'constant y', 'constant z', 'splay', 'guide', 'periodic')[value])
+
+    def SetEachEdge(self, value):
+        self.set("each_edge", value)
 
     def SetSplay(self, value):
         self.set("splay", value)
