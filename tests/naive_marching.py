@@ -48,14 +48,16 @@ def hyperbolic_step(front, height, base):
     for k in range(n):
         after, before = (k + 1) % n, (k - 1) % n
         eps = base * height / s[k] * ramp(height / s[k])
-        second = front[after] - 2 * front[k] + front[before]
+        ahead_of, behind = front[after] - front[k], front[k] - front[before]
+        b, a = np.linalg.norm(behind), np.linalg.norm(ahead_of)
+        straightened = 2 * a * b / (a + b) * (ahead_of / a - behind / b)
         c = height / s[k] * (np.outer(t[k], normal[k]) + np.outer(normal[k], t[k]))
         matrix[k, :, k] += np.eye(2) * (1 + 2 * eps)
-        matrix[k, :, after] += 0.5 * c - eps * np.eye(2)
-        matrix[k, :, before] += -0.5 * c - eps * np.eye(2)
+        matrix[k, :, after] += 0.5 * c - eps * 2 * b / (a + b) * np.eye(2)
+        matrix[k, :, before] += -0.5 * c - eps * 2 * a / (a + b) * np.eye(2)
         ahead = height / s.mean()
         forward = height * (1 + ahead * np.sin(bend) + base * ramp(ahead) * half * (1 + ahead * half))
-        right[k] = forward * normal[k] + eps * second
+        right[k] = forward * normal[k] + eps * straightened
     d = np.linalg.solve(matrix.reshape(2 * n, 2 * n), right.ravel()).reshape(n, 2)
     return front + d
 

@@ -4,10 +4,17 @@ The survey's equations (2.7.1), orthogonality and area, linearised about the las
 front's tangent t and normal n, with spacing s along the front and height h (J. L. Steger, D. S. Chaussee, SIAM J. Sci.
 Stat. Comput. 1 (1980); W. M. Chan, J. L. Steger, Appl. Math. Comput. 51 (1992)):
 
-    d + (1 + theta) (h / s) (t n' + n t') d_xi - e d_xixi = n V / s + e r_xixi,      d = r(next layer) - r
+    d + (1 + theta) (h / s) (t n' + n t') d_xi - D d = n V / s + D r,      d = r(next layer) - r
 
-with differences of the index xi, and a dissipation e given at each point. The area V is h s, times a share for the mean
-bending of the front and for what dissipation takes from it, so that a circle gives the polar grid.
+with differences of the index xi. The area V is h s, times a share for the mean bending of the front and for what
+dissipation takes from it, so that a circle gives the polar grid. The dissipation
+
+    D r = e r_xixi + c 2 s- s+ / (s- + s+) (t+ - t-)
+
+has two parts. There is c everywhere, which straightens the front alone, by the difference of its edges' unit tangents
+t- and t+, of lengths s- and s+: on a straight front it vanishes however points are spaced, while r_xixi would draw
+lines along the wake of a C-grid by up to 66 degrees. And there is e where fronts are about to meet and where cells
+folded, which spreads the points along the front, too; at concave corners c does the same.
 """
 
 import math
@@ -43,8 +50,8 @@ FLAT = 1e-9  # sine of a corner's angle below which a cell counts as folded
 SOUND = 0.05  # sine from which on a layer is taken as it is
 ATTEMPTS = 7  # each with twice as many steps
 # Rows of the scratch array, of n + 4 columns; those of vectors and SPARE are the first of two and of four.
-SPACING, TURN, HEIGHT, DISSIPATION, TURNED, BOOST, ASKED, CORNERS, LEAD = range(9)
-TANGENT, START, BEST, PIN, TOWARDS, SPARE, ROWS = 9, 11, 13, 15, 17, 19, 23
+SPACING, TURN, HEIGHT, BEFORE, AFTER, TURNED, BOOST, ASKED, CORNERS, LEAD = range(10)
+TANGENT, START, BEST, PIN, TOWARDS, SPARE, ROWS = 10, 12, 14, 16, 18, 20, 24
 
 
 @kernel
@@ -187,7 +194,7 @@ def step(r, kind, frame, curves, reached, part, base, theta, d, scratch, blocks)
     """Displacement ``d`` (n, 2) of a front by one step; ``part`` counts the steps of a layer."""
     n = d.shape[0]
     t = scratch[TANGENT : TANGENT + 2]
-    s, turn, h, e, asked = scratch[SPACING], scratch[TURN], scratch[HEIGHT], scratch[DISSIPATION], scratch[ASKED]
+    s, turn, h, asked = scratch[SPACING], scratch[TURN], scratch[HEIGHT], scratch[ASKED]
     closed = kind[0] == CLOSED
     ghosts(r, kind, frame)
     frame_of(r, t, s, turn)
@@ -197,18 +204,21 @@ def step(r, kind, frame, curves, reached, part, base, theta, d, scratch, blocks)
     lower, diagonal, upper, fill_in = blocks[0], blocks[1], blocks[2], blocks[3]
     for k in range(n):
         g = k + 2
-        tx, ty, eps, free = t[0, g], t[1, g], e[g], 1 - scratch[LEAD, g]
+        tx, ty, free = t[0, g], t[1, g], 1 - scratch[LEAD, g]
+        before, after = scratch[BEFORE, g], scratch[AFTER, g]
         a = 0.5 * (1 + theta) * h[g] / s[g] * free
         m0, m1, m3 = -2 * tx * ty * a, (tx * tx - ty * ty) * a, 2 * tx * ty * a
-        lower[k, 0], lower[k, 1], lower[k, 2], lower[k, 3] = -m0 - eps, -m1, -m1, -m3 - eps
-        upper[k, 0], upper[k, 1], upper[k, 2], upper[k, 3] = m0 - eps, m1, m1, m3 - eps
-        diagonal[k, 0], diagonal[k, 1], diagonal[k, 2], diagonal[k, 3] = 1 + 2 * eps, 0.0, 0.0, 1 + 2 * eps
+        lower[k, 0], lower[k, 1], lower[k, 2], lower[k, 3] = -m0 - before, -m1, -m1, -m3 - before
+        upper[k, 0], upper[k, 1], upper[k, 2], upper[k, 3] = m0 - after, m1, m1, m3 - after
+        both = 1 + before + after
+        diagonal[k, 0], diagonal[k, 1], diagonal[k, 2], diagonal[k, 3] = both, 0.0, 0.0, both
         bend = h[g] / mean_s
         lost = base * weight(bend, mean_turn) * half * (1 + bend * half)
         forward = h[g] * max(0.5, 1 + (1 + theta) * bend * sine + lost) * free
         ahead = h[g] * (1 - free)
-        d[k, 0] = -ty * forward + scratch[TOWARDS, g] * ahead + eps * (r[0, g + 1] - 2 * r[0, g] + r[0, g - 1])
-        d[k, 1] = tx * forward + scratch[TOWARDS + 1, g] * ahead + eps * (r[1, g + 1] - 2 * r[1, g] + r[1, g - 1])
+        x, y = dissipated(r, g, before, after)
+        d[k, 0] = -ty * forward + scratch[TOWARDS, g] * ahead + x
+        d[k, 1] = tx * forward + scratch[TOWARDS + 1, g] * ahead + y
     for k in range(n):
         x, y = scratch[PIN, k + 2], scratch[PIN + 1, k + 2]
         if x != 0 or y != 0:
@@ -233,31 +243,52 @@ def step(r, kind, frame, curves, reached, part, base, theta, d, scratch, blocks)
 def dissipation(r, kind, base, scratch):
     """Heights that shrink before collisions, and dissipation: by aspect ratio, by collisions, and where asked for.
 
-    At convex corners it may take no more than a share of the height.
+    It is kept as each point's weights of the differences to the points before and after. At convex corners it may take
+    no more than a share of the height.
     """
     t = scratch[TANGENT : TANGENT + 2]
-    s, turn, h, e = scratch[SPACING], scratch[TURN], scratch[HEIGHT], scratch[DISSIPATION]
+    s, turn, h, strength = scratch[SPACING], scratch[TURN], scratch[HEIGHT], scratch[BEFORE]
     asked, boost, turned, spare = scratch[ASKED], scratch[BOOST], scratch[TURNED], scratch[SPARE]
     n = h.size - 4
     run = 0.0
     for k in range(2, n + 2):
         run += turn[k]
         turned[k] = run
-    collisions(r, t, turned, asked, kind[0] == CLOSED, e, h, scratch[SPARE : SPARE + 4])
-    smoothed(e, spare, kind, SPREAD)
+    collisions(r, t, turned, asked, kind[0] == CLOSED, strength, h, scratch[SPARE : SPARE + 4])
+    smoothed(strength, spare, kind, SPREAD)
     for k in range(2, n + 2):
         h[k] *= asked[k]
         aspect, lead = h[k] / s[k], scratch[LEAD, k]
-        e[k] = (1 - lead) * (
-            e[k] + base * weight(aspect, turn[k]) * aspect + PARABOLIC * lead * aspect * aspect + boost[k]
-        )
-        x = r[0, k + 1] - 2 * r[0, k] + r[0, k - 1]
-        y = r[1, k + 1] - 2 * r[1, k] + r[1, k - 1]
-        inward = t[1, k] * x - t[0, k] * y
+        concave = min(1.0, max(0.0, turn[k] / CONCAVE))
+        e = (1 - lead) * (strength[k] + PARABOLIC * lead * aspect * aspect + boost[k])
+        c = (1 - lead) * base * weight(aspect, turn[k]) * aspect
+        uneven = (1 - concave) * (after_over_mean(r, k) - 1)
+        before, after = e + c * (1 + uneven), e + c * (1 - uneven)
+        x, y = dissipated(r, k, before, after)
+        inward, share = t[1, k] * x - t[0, k] * y, 1.0
         if inward > 0:
-            e[k] = min(e[k], CAP * weight(aspect, turn[k]) * h[k] / inward)
+            share = min(share, CAP * weight(aspect, turn[k]) * h[k] / inward)
         elif inward < 0:
-            e[k] = min(e[k], PULL * asked[k] / -inward)
+            share = min(share, PULL * asked[k] / -inward)
+        scratch[BEFORE, k], scratch[AFTER, k] = share * before, share * after
+
+
+@kernel(inline=True)
+def after_over_mean(r, k):
+    """Length of the edge after a point, over the mean of that and the edge before: from 0 to 2."""
+    bx, by = r[0, k] - r[0, k - 1], r[1, k] - r[1, k - 1]
+    ax, ay = r[0, k + 1] - r[0, k], r[1, k + 1] - r[1, k]
+    b, a = math.sqrt(bx * bx + by * by) + TINY, math.sqrt(ax * ax + ay * ay) + TINY
+    return 2 * a / (a + b)
+
+
+@kernel(inline=True)
+def dissipated(r, k, before, after):
+    """How far dissipation moves a point, given its weights."""
+    return (
+        after * (r[0, k + 1] - r[0, k]) - before * (r[0, k] - r[0, k - 1]),
+        after * (r[1, k + 1] - r[1, k]) - before * (r[1, k] - r[1, k - 1]),
+    )
 
 
 @kernel(inline=True)

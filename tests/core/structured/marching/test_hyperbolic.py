@@ -248,6 +248,12 @@ def test_a_straight_front_gives_straight_lines():
     assert np.abs(points - expected).max() < 1e-14
 
 
+def test_dissipation_leaves_a_straight_front_alone_however_its_points_are_spaced():
+    x = np.cumsum(np.concatenate([[0.0], np.geomspace(0.01, 1, 15), np.geomspace(1, 0.02, 12)]))
+    points = marched(np.column_stack([x, 0 * x]), np.full(20, 0.5), dissipation=Dissipation(1.0)).points
+    assert np.abs(points[..., 0] - x[:, None]).max() < 1e-12
+
+
 @pytest.mark.parametrize("n", [9, 40])
 def test_half_a_circle_with_planes_of_symmetry_is_half_the_polar_grid(n):
     angle = np.pi * (1 - np.arange(n + 1) / n)
