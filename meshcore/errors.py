@@ -5,7 +5,7 @@
     MeshcoreError
     ├── InvalidInput(ValueError)          .parameter
     │   └── InvalidGeometry               .points, .cells: where, for the host to highlight
-    ├── GenerationFailed(RuntimeError)    .cells, .partial
+    ├── GenerationFailed(RuntimeError)    .parameter, .points: where; .cells, .partial
     ├── MissingLibrary(ImportError)       .library
     └── Cancelled
 
@@ -56,14 +56,28 @@ class GenerationFailed(MeshcoreError, RuntimeError):
 
     Attributes
     ----------
+    parameter : str
+        The input that `points` belong to; may be empty.
+    points : tuple of int
+        Points of the input where it could not.
     cells : tuple of int
         Faulty cells of `partial`.
     partial : Mesh, StructuredGrid or None
         What was reached, for inspection.
     """
 
-    def __init__(self, message: str, *, cells: Sequence[int] = (), partial: Any = None):
+    def __init__(
+        self,
+        message: str,
+        *,
+        parameter: str = "",
+        points: Sequence[int] = (),
+        cells: Sequence[int] = (),
+        partial: Any = None,
+    ):
         super().__init__(message)
+        self.parameter = parameter
+        self.points = tuple(int(p) for p in points)
         self.cells = tuple(int(c) for c in cells)
         self.partial = partial
 

@@ -155,7 +155,7 @@ def places(error: MeshcoreError, inputs: dict[str, Any]) -> list[str]:
     if given is None and len(inputs) == 1:
         given = next(iter(inputs.values()))
     points, cells = getattr(error, "points", ()), getattr(error, "cells", ())
-    if getattr(error, "partial", None) is not None:
+    if not points and getattr(error, "partial", None) is not None:
         given = error.partial
     if given is None or not hasattr(given, "points"):
         return []

@@ -74,6 +74,17 @@ def polyline(curve: Curve, parameter: str = "curve") -> np.ndarray:
     >>> polyline(Mesh([[0, 0], [2, 0], [1, 1]], {"line": [[0, 2], [1, 2]]}))[:, 0]
     array([0., 1., 2.])
     """
+    return numbered_polyline(curve, parameter)[0]
+
+
+def numbered_polyline(curve: Curve, parameter: str = "curve") -> tuple[np.ndarray, np.ndarray]:
+    """The points of a curve in order as `polyline` gives them, and (n,) int, the numbers that the user has for them.
+
+    Examples
+    --------
+    >>> numbered_polyline(Mesh([[0, 0], [2, 0], [1, 1]], {"line": [[0, 2], [1, 2]]}))[1]
+    array([0, 2, 1])
+    """
     if isinstance(curve, Mesh) and len(curve.get("line")):
         pieces = chains(curve)
         if len(pieces) != 1:
@@ -83,17 +94,35 @@ def polyline(curve: Curve, parameter: str = "curve") -> np.ndarray:
                 parameter=parameter,
                 points=ends,
             )
-        points = curve.points[pieces[0]]
+        points, number = curve.points[pieces[0]], pieces[0]
     else:
-        points = (curve if isinstance(curve, Mesh) else Mesh(curve, {})).points
+        points = _points_of(curve, parameter)
+        number = np.arange(len(points))
     if len(points) < 2 or not np.ptp(points, axis=0).any():
         raise InvalidGeometry(f"needs at least two different points, got {len(points)}", parameter=parameter)
-    return points
+    return points, number
+
+
+def _points_of(curve: Curve, parameter: str) -> np.ndarray:
+    """Those of a curve without lines, in the order they have; faults of an array are told under the curve's name."""
+    if isinstance(curve, Mesh):
+        other = next((kind for kind, cells in curve.cells.items() if len(cells) and kind != "vertex"), None)
+        if other is not None:
+            raise InvalidGeometry(
+                f"has {other} cells but no lines; give the lines of its outline alone", parameter=parameter
+            )
+        return curve.points
+    try:
+        return Mesh(curve, {}).points
+    except InvalidInput as error:
+        where = getattr(error, "points", ())
+        text = str(error).removeprefix("points: ")
+        raise InvalidGeometry(text, parameter=parameter, points=where) from None
 
 
 def is_closed(points: np.ndarray) -> bool:
     """Whether a polyline ends where it begins."""
-    return len(points) > 3 and bool((points[0] == points[-1]).all())
+    return len(points) > 2 and bool((points[0] == points[-1]).all())
 
 
 def lines_through(points: np.ndarray, *, closed: bool = False) -> Mesh:

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import InvalidGeometry
-from ...geometry.curves import Curve, is_closed, polyline
+from ...geometry.curves import Curve, is_closed, numbered_polyline
 from ...geometry.plane import Plane, fitted_plane
+from ...geometry.section import doubled_area
+from ..crossings import TOUCH, refuse_crossings
 from ..limits import check_extent
 from .hyperbolic_march import Marched, Stop
 
@@ -29,6 +31,8 @@ class Front:
         Where it lies in space.
     reversed : bool
         Whether points were put in the opposite order.
+    number : (n,) int
+        The numbers that the user has for them.
     warnings : list of str
         What was changed on the way.
     """
@@ -38,6 +42,7 @@ class Front:
     diagonal: float
     plane: Plane
     reversed: bool
+    number: np.ndarray
     warnings: list[str]
 
     def in_space(self, points: np.ndarray) -> np.ndarray:
@@ -53,7 +58,7 @@ def read_front(curve: Curve, *, other_side: bool = False, parameter: str = "fron
     Raises
     ------
     InvalidGeometry
-        If it is not planar, has too few points, or a closed one encloses no area.
+        If it is not planar, has too few points, crosses itself, or a closed one encloses no area.
 
     Examples
     --------
@@ -61,50 +66,41 @@ def read_front(curve: Curve, *, other_side: bool = False, parameter: str = "fron
     >>> front.points.tolist(), front.closed, front.warnings
     ([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]], True, [])
     """
-    spatial = polyline(curve, parameter)
+    spatial, number = numbered_polyline(curve, parameter)
     closed = is_closed(spatial)
     if closed:
-        spatial = spatial[:-1]
+        spatial, number = spatial[:-1], number[:-1]
     fresh = (spatial != np.roll(spatial, 1, axis=0)).any(axis=1)
     fresh[0] |= not closed
     repeats = int((~fresh).sum())
     warnings = [f"{repeats} repeated points of the {parameter} were left out"] if repeats else []
-    spatial = spatial[fresh]
+    spatial, number = spatial[fresh], number[fresh]
     least = 3 if closed else 2
     if len(spatial) < least:
         raise InvalidGeometry(f"needs at least {least} different points, got {len(spatial)}", parameter=parameter)
     diagonal = check_extent(spatial, parameter=parameter)
     plane = fitted_plane(spatial, parameter=parameter)
     points = np.ascontiguousarray(plane.to_plane(spatial))
+    refuse_crossings(points, number, plane, TOUCH * diagonal, closed=closed, parameter=parameter)
     backwards = other_side
     if closed:
-        counter_clockwise = _double_area(points, diagonal, parameter) > 0
+        counter_clockwise = doubled_area(points) > 0
         if not counter_clockwise:
             warnings.append(f"the {parameter} is clockwise; it was taken the other way round")
         backwards = counter_clockwise != other_side
     if backwards:
-        points = np.ascontiguousarray(np.roll(points[::-1], 1, axis=0) if closed else points[::-1])
-    return Front(points, closed, diagonal, plane, bool(backwards), warnings)
-
-
-def _double_area(points: np.ndarray, diagonal: float, parameter: str) -> float:
-    x, y = (points - points[0]).T
-    double_area = float((x * np.roll(y, -1) - y * np.roll(x, -1)).sum())
-    if abs(double_area) <= 1e-12 * diagonal**2:
-        raise InvalidGeometry(f"encloses no area (extent {diagonal:.6g}); give a simple loop", parameter=parameter)
-    return double_area
+        order = np.roll(np.arange(len(points))[::-1], 1 if closed else 0)
+        points, number = np.ascontiguousarray(points[order]), number[order]
+    return Front(points, closed, diagonal, plane, bool(backwards), number, warnings)
 
 
 def stop_told(stop: Stop, ready: Front, asked: int) -> str:
     """What to say of a march that stopped: at which layer, at which point as the user numbers them, and why."""
     x, y, z = ready.plane.to_space(stop.place[None])[0]
-    point = stop.point
-    if ready.reversed:
-        point = -stop.point % len(ready.points) if ready.closed else len(ready.points) - 1 - stop.point
     bend = f"where it is concave by {stop.concavity:.0f} degrees" if stop.concavity > 0 else "where it is not concave"
     return (
-        f"stopped after {stop.layer} of {asked} layers, since {stop.reason} at the front's point {point} near "
-        f"({x:.6g}, {y:.6g}, {z:.6g}), {bend}"
+        f"stopped after {stop.layer} of {asked} layers, since {stop.reason} at the front's point "
+        f"{ready.number[stop.point]} near ({x:.6g}, {y:.6g}, {z:.6g}), {bend}"
     )
 
 

@@ -154,6 +154,7 @@ def hyperbolic(
     (StructuredGrid(129 x 51 points), True)
     """
     ready = read_front(front, other_side=other_side)
+    check_size(len(ready.points) + 1, (layers or 1) + 1, parameter="layers")
     thickness = _asked_heights(heights, ready, first_height, growth, layers, distance, largest_height)
     check_size(len(ready.points) + 1, len(thickness) + 1, parameter="layers")
     ends = _ends(ready, (first_end, last_end), (first_curve, last_curve), splay)
@@ -241,7 +242,8 @@ def _reported(ready: Front, result: Marched, asked: np.ndarray) -> Result:
     if result.stop is not None:
         warnings.append(f"{stop_told(result.stop, ready, len(asked))}; {_CURE}")
         if made == 0:
-            raise GenerationFailed(f"no layer could be made: {warnings[-1]}")
+            at = [ready.number[result.stop.point]]
+            raise GenerationFailed(f"no layer could be made: {warnings[-1]}", parameter="front", points=at)
     names = {"jmin": "wall", "jmax": "outer"}
     grid = StructuredGrid(ready.in_space(result.points), names=names, periodic=(ready.closed, False, False))
     refuse_folds(grid, _CURE)

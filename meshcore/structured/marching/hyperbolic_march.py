@@ -122,7 +122,7 @@ def layer_heights(
     Raises
     ------
     InvalidInput
-        If no such heights exist.
+        If no such heights exist. Heights that do not grow may be a little lower than `first`, to fill the distance.
 
     Examples
     --------
@@ -130,6 +130,8 @@ def layer_heights(
     (array([1., 2., 4.]), array([1., 2., 3., 3.]))
     >>> layer_heights(1, 3, distance=7).round(6)
     array([1., 2., 4.])
+    >>> layer_heights(0.3, 1, distance=1)
+    array([0.25, 0.25, 0.25, 0.25])
     """
     first, growth = float(first), float(growth)
     _check(first, growth, largest)
@@ -139,6 +141,8 @@ def layer_heights(
         raise InvalidInput(f"must be greater than zero, got {distance:g}", parameter="distance")
     if layers is None:
         layers = _fewest(first, growth, distance, largest)
+        if growth == 1 and layers > 1:
+            return np.full(layers, distance / layers)  # what divides the distance: none higher than asked
     count = _count(layers)
     if count * first >= distance:
         if abs(count * first - distance) <= 1e-9 * distance:

@@ -176,7 +176,8 @@ def hyperbolic_volume(
     if outcome.stopped_at >= 0:
         warnings.append(_told_stop(graph, made, outcome, len(heights)))
         if len(made) == 1:
-            raise GenerationFailed(f"no layer could be made: {warnings[-1]}")
+            at = np.flatnonzero(ready.number == outcome.stopped_at)
+            raise GenerationFailed(f"no layer could be made: {warnings[-1]}", parameter="surface", points=at)
     result, untold = with_cuts(ready, front.pairs, ready.layered(made))
     return _reported(ready, result, made, heights, outcome, warnings + untold)
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...errors import InvalidGeometry
-from ...geometry.curves import NOTICEABLE, Curve, arc_length, is_closed, polyline, resampled, turning
+from ...geometry.curves import NOTICEABLE, Curve, arc_length, is_closed, numbered_polyline, resampled, turning
+from ..crossings import TOUCH, refuse_crossings, refuse_outside
 from .fronts import Front
 
 EVENNESS = 0.5
@@ -20,7 +21,8 @@ def outer_points(ready: Front, curve: Curve) -> np.ndarray:
     Raises
     ------
     InvalidGeometry
-        If the curve is not in the front's plane, or one is open and the other closed.
+        If the curve is not in the front's plane, crosses itself, does not go round a closed front, or one is open and
+        the other closed.
 
     Examples
     --------
@@ -28,7 +30,7 @@ def outer_points(ready: Front, curve: Curve) -> np.ndarray:
     >>> outer_points(read_front(np.array([[0, 0], [1, 0], [2, 0]])), np.array([[2, 1], [0, 1]]))[:, 0]
     array([0., 1., 2.])
     """
-    spatial = polyline(curve, "outer")
+    spatial, number = numbered_polyline(curve, "outer")
     closed = is_closed(spatial)
     if closed != ready.closed:
         words = ("closed", "open")
@@ -39,6 +41,8 @@ def outer_points(ready: Front, curve: Curve) -> np.ndarray:
     if off > 1e-6 * ready.diagonal:
         raise InvalidGeometry(f"lies up to {off:.4g} off the front's plane; move it there", parameter="outer")
     points = ready.plane.to_plane(spatial)
+    once = slice(None, -1) if closed else slice(None)
+    refuse_crossings(points[once], number[once], ready.plane, TOUCH * ready.diagonal, closed=closed, parameter="outer")
     front, n = ready.points, len(ready.points)
     if not closed:
         ends = points[[0, -1]]
@@ -47,6 +51,7 @@ def outer_points(ready: Front, curve: Curve) -> np.ndarray:
             points = points[::-1]
         return points if len(points) == n else resampled(points, _shares(front, points, closed=False))
     ring = points[:-1]
+    refuse_outside(front, ring, ready.plane, "front")
     x, y = (ring - ring[0]).T
     if (x * np.roll(y, -1) - y * np.roll(x, -1)).sum() > 0:
         ring = ring[::-1]

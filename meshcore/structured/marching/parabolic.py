@@ -118,8 +118,10 @@ def parabolic(
     True
     """
     ready = read_front(front)
+    check_size(len(ready.points) + 1, (layers or 1) + 1, parameter="layers")
     target = outer_points(ready, outer)
-    sides = [None if side is None else ready.plane.to_plane(polyline(side)) for side in (first_side, last_side)]
+    given = {"first_side": first_side, "last_side": last_side}
+    sides = [None if side is None else ready.plane.to_plane(polyline(side, name)) for name, side in given.items()]
     if ready.reversed:
         sides.reverse()
     height = absolute(first_height, ready.diagonal)
@@ -138,7 +140,8 @@ def parabolic(
     grid = StructuredGrid(ready.in_space(result.points), names=names, periodic=(ready.closed, False, False))
     if result.stop is not None:
         told = stop_told(result.stop, ready, len(fractions) - 1)
-        raise GenerationFailed(f"{told}; {_CURE}", partial=grid if result.stop.layer else None)
+        at, partial = [ready.number[result.stop.point]], grid if result.stop.layer else None
+        raise GenerationFailed(f"{told}; {_CURE}", parameter="front", points=at, partial=partial)
     refuse_folds(grid, _CURE)
     validate(grid)
     counts = {"points": grid.n_points, "quads": grid.n_cells, "layers": grid.cell_shape[1]} | changes_told(result)[0]

@@ -10,6 +10,7 @@ from ...errors import InvalidGeometry
 from ...geometry.curves import Curve, arc_length, polyline, turning
 from ...geometry.plane import Plane
 from ...geometry.section import Section, doubled_area
+from ..crossings import refuse_outside
 
 FarField = Literal["circle", "box"]
 
@@ -159,7 +160,7 @@ def given_outer(curve: Curve, plane: Plane, section: Section, *, closed: bool) -
     points = polyline(curve, "outer")
     scale = float(np.ptp(points, axis=0).max())
     if np.abs(plane.deviations(points)).max() > 1e-6 * scale:
-        raise InvalidGeometry("is not in the section's plane", parameter="outer")
+        raise InvalidGeometry("is not in the section's plane; move it there", parameter="outer")
     ends_meet = bool((points[0] == points[-1]).all())
     if ends_meet != closed:
         raise InvalidGeometry(
@@ -170,9 +171,7 @@ def given_outer(curve: Curve, plane: Plane, section: Section, *, closed: bool) -
     loop = flat[:-1] if closed else flat
     if doubled_area(loop) < 0:
         loop, flat = loop[::-1], flat[::-1]
-    inside = np.array([_winds(loop, point) for point in section.loop[:: max(1, len(section.loop) // 64)]])
-    if not inside.all():
-        raise InvalidGeometry("does not hold the section within it", parameter="outer")
+    refuse_outside(section.loop, loop, plane, "section")
     return loop if closed else flat[::-1]
 
 
@@ -180,15 +179,3 @@ def _frame(section: Section) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Directions along the chord downstream and to its left, and the middle of the chord."""
     forward = section.direction
     return forward, np.array([-forward[1], forward[0]]), 0.5 * (section.nose + section.tail)
-
-
-def _winds(loop: np.ndarray, point: np.ndarray) -> bool:
-    """Whether a loop winds once round a point."""
-    away = loop - point
-    return abs(_turning_seen(away)) > np.pi
-
-
-def _turning_seen(away: np.ndarray) -> float:
-    """Radians by which a closed loop, given relative to a point, goes round that point."""
-    after = np.roll(away, -1, axis=0)
-    return float(np.arctan2(away[:, 0] * after[:, 1] - away[:, 1] * after[:, 0], (away * after).sum(axis=1)).sum())

@@ -7,11 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...errors import InvalidGeometry, InvalidInput
-from ...geometry.curves import Curve, chains, is_closed, polyline, turning
+from ...geometry.curves import Curve, is_closed, numbered_polyline, turning
 from ...geometry.plane import Plane, fitted_plane
 from ...geometry.section import doubled_area
-from ...mesh import Mesh
-from ...quality.embedding import overlaps
+from ..crossings import TOUCH, refuse_crossings
 from ..limits import check_extent
 
 _GAP = 0.05
@@ -81,11 +80,8 @@ def section_loop(curve: Curve) -> GivenSection:
     diagonal = check_extent(points, parameter="section")
     plane = fitted_plane(points, parameter="section")
     loop = plane.to_plane(points)
-    area = doubled_area(loop)
-    if abs(area) <= 1e-12 * diagonal**2:
-        raise InvalidGeometry(f"encloses no area (extent {diagonal:.6g}); give a simple loop", parameter="section")
-    _refuse_crossings(loop, number, diagonal)
-    if area < 0:
+    refuse_crossings(loop, number, plane, TOUCH * diagonal, closed=True, parameter="section")
+    if doubled_area(loop) < 0:
         loop, number = loop[::-1], number[::-1]
         if abs(plane.normal[2]) > 0.5:  # in other planes neither side is the upper one
             warnings.append("the section runs clockwise; it was turned")
@@ -94,10 +90,7 @@ def section_loop(curve: Curve) -> GivenSection:
 
 def _closed(curve: Curve) -> tuple[np.ndarray, np.ndarray, list[str]]:
     """Points of the curve, the last repeating the first, numbers of all but the last, and what was done."""
-    points = polyline(curve, "section")
-    # Points are numbered as the user numbers them: in a mesh, not in the order of the chain.
-    lines = isinstance(curve, Mesh) and len(curve.get("line"))
-    number = chains(curve)[0] if lines else np.arange(len(points))
+    points, number = numbered_polyline(curve, "section")
     if is_closed(points):
         return points, number[:-1], []
     extent = float(np.ptp(points, axis=0).max())
@@ -105,7 +98,7 @@ def _closed(curve: Curve) -> tuple[np.ndarray, np.ndarray, list[str]]:
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     if len(points) < 4 or gap > _GAP * extent or (gap > 0.99 * float(np.median(steps)) and _is_round(points)):
         raise InvalidGeometry(
-            f"is open: its ends are {gap:.4g} apart; close the loop", parameter="section", points=(0, len(points) - 1)
+            f"is open: its ends are {gap:.4g} apart; close the loop", parameter="section", points=number[[0, -1]]
         )
     warnings = [f"the section was open by {gap:.4g} and has been closed by a straight line"]
     return np.vstack([points, points[:1]]), number, warnings
@@ -119,31 +112,3 @@ def _is_round(points: np.ndarray) -> bool:
         return float(a @ b) / max(float(np.linalg.norm(a) * np.linalg.norm(b)), 1e-300)
 
     return cosine(last, across) > 0.7 and cosine(across, first) > 0.7
-
-
-def _refuse_crossings(loop: np.ndarray, number: np.ndarray, diagonal: float) -> None:
-    """Raise if the loop crosses or touches itself."""
-    start = np.arange(len(loop))
-    edges = np.column_stack([start, (start + 1) % len(loop)])
-    found = overlaps(loop, edges, 1e-14 * diagonal)
-    if len(found.crossing):
-        a, b = edges[found.crossing[0]]
-        (p, q), (r, s) = loop[a], loop[b]
-        d, e = q - p, s - r
-        whole = d[0] * e[1] - d[1] * e[0]
-        t = ((r - p)[0] * e[1] - (r - p)[1] * e[0]) / whole
-        place = p + t * d
-        raise InvalidGeometry(
-            f"crosses itself near ({place[0]:.6g}, {place[1]:.6g}), between points {number[a[0]]}, {number[a[1]]} and "
-            f"{number[b[0]]}, {number[b[1]]}; give a simple loop",
-            parameter="section",
-            points=number[np.unique([a, b])],
-        )
-    if len(found.hanging):
-        edge, point = found.hanging[0]
-        x, y = loop[point]
-        raise InvalidGeometry(
-            f"touches itself at point {number[point]}, ({x:.6g}, {y:.6g}); give a simple loop",
-            parameter="section",
-            points=number[np.unique([*edges[edge], point])],
-        )

@@ -146,7 +146,7 @@ def test_bad_input_gets_a_clear_error(section, keywords, error, words):
 
 
 def test_a_far_field_inside_the_section_is_refused():
-    with pytest.raises(InvalidGeometry, match="does not hold the section"):
+    with pytest.raises(InvalidGeometry, match="does not go round all of the section"):
         mc.c_grid(gallery.airfoil("rae2822"), np.array([[0.5, -0.01], [0.3, -0.01], [0.3, 0.01], [0.5, 0.01]]))
 
 
