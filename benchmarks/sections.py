@@ -1,112 +1,137 @@
-"""Wall control as users get it, on airfoils and random sections: O-grid, then elliptic smoothing with a first height.
+"""Any section a user may bring: O-, C- and H-grids by every method, default parameters, judged by exact arithmetic.
 
-``python benchmarks/sections.py [--quick] [--number 1000] [--seed 1] [--airfoils FOLDER]``
+``python benchmarks/sections.py [--quick] [--number 300] [--seed 1] [--family "NACA 4" ...] [--log FILE]``
 
-Without a folder of ``.dat`` files the airfoils that meshcore ships are taken. Each section has its own points and, in
-turn, 129, 257 and 513 around; first heights of 1e-3, 1e-4 and 1e-5 chords; ten chords; layers by a growth of 1.15.
+Sections of some thirty families (airfoils by formula and measured, blades, vehicles, polygons, plates, bays), half of
+them turned, moved, scaled, rounded, clockwise or with doubled points. Nothing may crash, take longer than a minute, or
+fold. Each is made in a process of its own, which a crash or hang would cost. First heights count as missed if any point
+of the section is farther than 5 % from what was asked. A log gets a line for each trial: family, number, words.
 """
 
 from __future__ import annotations
 
+import json
+import multiprocessing
 import statistics
-import time
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
+from dataclasses import asdict
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any
 
-import numpy as np
 from _common import Target, arguments, print_heading, print_row
 
-from meshcore import MeshcoreError, gallery, io
-from meshcore.geometry.curves import polyline
-from meshcore.structured import elliptically_smoothed, o_grid
-from tests.sections import random_sections
+from tests.section_families import FAMILIES, section_of
+from tests.section_trials import MAKERS, Trial, methods, tried
 
-HEIGHTS = (1e-3, 1e-4, 1e-5)
-AROUND = (None, 129, 257, 513)
-SECONDS = Target(0.5, 0.1, at_most=True)
-
-
-class Outcome(NamedTuple):
-    """What became of a section: a word, largest errors of angle (degrees) and height (%), steps, seconds."""
-
-    word: str
-    angle: float = 0.0
-    height: float = 0.0
-    steps: int = 0
-    seconds: float = 0.0
+SECONDS = 60.0
+NONE = Target(0, at_most=True)
+Case = tuple[str, int, int, str, str]
+"""Family, seed, number, topology, method."""
 
 
-def controlled(section: np.ndarray, around: int | None, height: float) -> Outcome:
-    """The grid round a section of chord 1 with right angles and the first height."""
-    try:
-        start, _ = o_grid(section, around=around, first_height=height)
-    except MeshcoreError as error:
-        return Outcome(f"no O-grid: {type(error).__name__}")
-    began = time.process_time()
-    try:
-        _, report = elliptically_smoothed(start, walls="south", first_height=height, threads=1)
-    except MeshcoreError as error:
-        return Outcome(f"{type(error).__name__}: {error}", seconds=time.process_time() - began)
-    return Outcome(
-        "met" if report.converged else "MISSED",
-        report.quality["error of wall angles (degree)"],
-        report.quality["error of first heights (%)"],
-        report.iterations,
-        time.process_time() - began,
-    )
+def outcome(case: Case) -> Trial:
+    """What becomes of a case."""
+    family, seed, k, topology, method = case
+    return tried(topology, method, section_of(family, seed, k))
 
 
-def airfoils(folder: str | None) -> Iterator[tuple[str, np.ndarray]]:
-    """Names and closed loops."""
-    if folder is None:
-        yield from ((name, polyline(gallery.airfoil(name))[:, :2]) for name in gallery.airfoils())
-    else:
-        yield from ((path.stem, polyline(io.read(path))[:, :2]) for path in sorted(Path(folder).glob("*.dat")))
+def _serve(pipe: Any) -> None:
+    while (case := pipe.recv()) is not None:
+        pipe.send(outcome(case))
 
 
-def table(runs: Iterable[tuple[str, str, np.ndarray, int | None, float]]) -> None:
-    """A row for each kind: how many met what was asked, how exactly, how fast; and below, what did not."""
-    found: dict[str, list[Outcome]] = defaultdict(list)
-    failures = []
-    for kind, name, section, around, height in runs:
-        outcome = controlled(section, around, height)
-        found[kind].append(outcome)
-        if outcome.word != "met":
-            failures.append(f"{kind} {name}, around {around}, height {height:g}: {outcome}")
-    print_row("sections", "grids", "met", "no O-grid", "median, worst height %", "steps", "seconds", "most", head=True)
-    for kind, outcomes in found.items():
-        met = [outcome for outcome in outcomes if outcome.word == "met"]
-        heights = [outcome.height for outcome in met] or [0.0]
+class Worker:
+    """A process that makes grids, started anew if it crashes or hangs."""
+
+    def __init__(self) -> None:
+        self._start()
+
+    def _start(self) -> None:
+        context = multiprocessing.get_context("spawn")
+        self.pipe, theirs = context.Pipe()
+        self.process = context.Process(target=_serve, args=(theirs,), daemon=True)
+        self.process.start()
+        theirs.close()
+
+    def run(self, case: Case) -> Trial:
+        """What becomes of a case, even if it takes the process with it."""
+        self.pipe.send(case)
+        word = "hang"
+        try:
+            if self.pipe.poll(SECONDS + 60):  # imports and compiling come first
+                return self.pipe.recv()
+        except EOFError:
+            word = "crash"
+        self.stop()
+        self._start()
+        return Trial(word, converged=False, seconds=SECONDS)
+
+    def stop(self) -> None:
+        """End the process."""
+        self.process.kill()
+        self.process.join()
+
+
+def cases(number: int, seed: int, families: list[str]) -> Iterator[Case]:
+    """All topologies and methods of each section."""
+    for k in range(number):
+        for topology in MAKERS:
+            for method in methods(topology):
+                yield families[k % len(families)], seed, k, topology, method
+
+
+def rows(name: str, found: dict[str, list[Trial]]) -> None:
+    """A table with a row for each kind of trial."""
+    print()
+    wrong = ("folded", "overlaps", "wall moved", "no MeshcoreError", "crash", "hang")
+    print_row(name, "grids", "sound", "refused", *wrong, "heights missed", "not converged", "seconds, most", head=True)
+    for key, trials in found.items():
+        words = [trial.word for trial in trials]
+        made = [trial for trial in trials if trial.word == "sound"]
+        seconds = [trial.seconds for trial in trials]
         print_row(
-            kind,
-            len(outcomes),
-            len(met),
-            sum(outcome.word.startswith("no O-grid") for outcome in outcomes),
-            f"{statistics.median(heights):.1f}, {max(heights):.1f}",
-            f"{statistics.median(outcome.steps for outcome in outcomes):.0f}",
-            f"{statistics.median(outcome.seconds for outcome in outcomes):.3f}",
-            SECONDS.verdict(max(outcome.seconds for outcome in outcomes)),
+            key,
+            len(trials) - words.count("crosses"),
+            len(made),
+            words.count("refused"),
+            *(words.count(word) for word in wrong),
+            sum(trial.heights > 0 for trial in made),
+            sum(not trial.converged for trial in made),
+            f"{statistics.median(seconds):.2f}, {max(seconds):.1f}",
         )
-    print("\n" + "\n".join(failures))
+
+
+def run(chosen: Iterable[Case], log: Path | None) -> None:
+    """Print the tables, and what failed."""
+    by_method: dict[str, list[Trial]] = defaultdict(list)
+    by_family: dict[str, list[Trial]] = defaultdict(list)
+    failed = []
+    worker = Worker()
+    for case in chosen:
+        family, _, _, topology, method = case
+        trial = worker.run(case)
+        by_method[f"{topology}, {method}"].append(trial)
+        by_family[family].append(trial)
+        if trial.word not in ("sound", "crosses"):
+            failed.append(f"{case}: {trial.word}: {trial.text}")
+        if log is not None:
+            with log.open("a") as file:
+                file.write(json.dumps([*case, asdict(trial)]) + "\n")
+    worker.stop()
+    rows("method", by_method)
+    rows("family", by_family)
+    print(f"\nnot sound: {NONE.verdict(len(failed))}\n" + "\n".join(failed))
 
 
 def main() -> None:
     """Print the tables."""
-    options = arguments(__doc__, number=[1000], seed=[1], airfoils=[""])
-    controlled(next(iter(random_sections(1, 0)))[1], 40, 1e-2)  # compiles
-    print_heading("Walls round airfoils", "Angles within a degree, heights within 5 %, but for the trailing edge.")
-    named = list(airfoils((options.airfoils or [None])[0] or None))
-    table((f"around {n}", name, loop, n, height) for n in AROUND for name, loop in named for height in HEIGHTS)
-    number = (options.number or [30 if options.quick else 1000])[0]
-    print_heading("Walls round random sections", "The same.")
-    seed = (options.seed or [1])[0]
-    drawn = enumerate(random_sections(number, seed))
-    table(
-        (kind, f"number {k} of seed {seed}", loop, AROUND[k // 9 % 4], HEIGHTS[k // 36 % 3])
-        for k, (kind, loop) in drawn
-    )
+    options = arguments(__doc__, number=[310], seed=[1], family=[""], log=[""])
+    families = [name for name in options.family or [] if name] or list(FAMILIES)
+    number = (options.number or [len(families) if options.quick else 10 * len(families)])[0]
+    print_heading("Any section", f"{number} sections in {len(families)} families, default parameters.")
+    log = Path(options.log[0]) if options.log else None
+    run(cases(number, (options.seed or [1])[0], families), log)
 
 
 if __name__ == "__main__":
