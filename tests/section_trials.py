@@ -34,9 +34,11 @@ class Trial:
     text : str
         Of the refusal, or the report's warnings.
     heights : float
-        Share of the section's points whose first height is farther than 5 % from what was asked.
+        Share of the section's points whose first height is farther than 5 % from what was asked: both the length of
+        the first cell's edge and the first point's distance from the section. In a notch lines run along the walls,
+        and only the distance can be right; beside a right angle only the one or the other.
     lowest, highest : float
-        First heights in shares of what was asked.
+        Of the two that is nearer to what was asked, in shares of that.
     converged : bool
         As reported.
     seconds : float
@@ -92,14 +94,14 @@ def _judged(grid: Any, section: np.ndarray, report: Any) -> tuple[str, np.ndarra
     lines = [block.points[report.counts.get("ahead", wake) : len(block.points) - wake, :, 0] for block in blocks]
     if len(blocks) == 2:
         lines[0] = lines[0][:, ::-1]
-    heights = np.concatenate([np.linalg.norm(line[:, 1] - line[:, 0], axis=1) for line in lines])
-    ratios = heights / report.quality["first height"]
+    ratios = _first_heights(lines, _space(section), report.quality["first height"])
     if any(folded(plane).any() for plane in planes):
         return "folded", ratios
     outside = _outside(planes, wake > 0)
     if len(outside) < MOST_EDGES and len(crossings(outside)):
         return "overlaps", ratios
-    kept = _kept(np.concatenate([line[:, 0] for line in lines]), _space(section))
+    spikes = any("straight back" in text for text in report.warnings)
+    kept = _kept(np.concatenate([line[:, 0] for line in lines]), _space(section), spikes)
     return "sound" if kept else "wall moved", ratios
 
 
@@ -113,18 +115,31 @@ def _outside(planes: list[np.ndarray], has_wake: bool) -> np.ndarray:
     return np.vstack([plane[0, :-1], plane[:, -1], plane[-1, -2:0:-1]]) if has_wake else plane[:-1, -1]
 
 
-def _kept(wall: np.ndarray, section: np.ndarray) -> bool:
-    """Whether all points of the section are on the wall, and no point of the wall is off the section's outline."""
+def _first_heights(lines: list[np.ndarray], section: np.ndarray, asked: float) -> np.ndarray:
+    """(n,) in shares of what was asked: lengths of first edges, or their ends' distances from the section if better."""
+    edges = np.concatenate([np.linalg.norm(line[:, 1] - line[:, 0], axis=1) for line in lines]) / asked
+    ends = np.concatenate([line[:, 1] for line in lines])
+    for k in np.flatnonzero(np.abs(edges - 1) > HEIGHT_WITHIN):
+        distance = _distance(ends[k], section) / asked
+        if abs(distance - 1) < abs(edges[k] - 1):
+            edges[k] = distance
+    return edges
+
+
+def _distance(point: np.ndarray, section: np.ndarray) -> float:
+    """From a point to the closed outline through (n, 3) points."""
+    edge = np.roll(section, -1, axis=0) - section
+    t = np.clip(((point - section) * edge).sum(axis=1) / np.maximum((edge**2).sum(axis=1), 1e-300), 0, 1)
+    return float(np.linalg.norm(section + t[:, None] * edge - point, axis=1).min())
+
+
+def _kept(wall: np.ndarray, section: np.ndarray, spikes: bool) -> bool:
+    """Whether all points of the section, but for spikes, are on the wall, and all of the wall are on its outline."""
     hair = 1e-9 * float(np.ptp(section, axis=0).max()) + 1e-15 * float(np.abs(section).max())
-    if cKDTree(wall).query(section)[0].max() > hair:
+    if not spikes and cKDTree(wall).query(section)[0].max() > hair:
         return False
     new = wall[cKDTree(section).query(wall)[0] > hair]
-    a, edge = section, np.roll(section, -1, axis=0) - section
-    for point in new:
-        t = np.clip(((point - a) * edge).sum(axis=1) / np.maximum((edge**2).sum(axis=1), 1e-300), 0, 1)
-        if np.linalg.norm(a + t[:, None] * edge - point, axis=1).min() > hair:
-            return False
-    return True
+    return all(_distance(point, section) <= hair for point in new)
 
 
 def _space(section: np.ndarray) -> np.ndarray:

@@ -17,6 +17,8 @@ _GAP = 0.05
 """Of the extent: the widest gap at a trailing edge that is closed by a straight base."""
 _SAME = 1e-10
 """Of the extent: points in a row that are nearer are one."""
+_ROUNDED = 4 * 2.3e-16
+"""Of the largest coordinate, which rounds: with `TOUCH` of the diagonal, a point nearer to an edge is on it."""
 
 
 @dataclass(eq=False)
@@ -80,7 +82,14 @@ def section_loop(curve: Curve) -> GivenSection:
     diagonal = check_extent(points, parameter="section")
     plane = fitted_plane(points, parameter="section")
     loop = plane.to_plane(points)
-    refuse_crossings(loop, number, plane, TOUCH * diagonal, closed=True, parameter="section")
+    hair = TOUCH * diagonal + _ROUNDED * float(np.abs(points).max())
+    kept = _without_spikes(loop, hair)
+    if len(kept) < 3:
+        raise InvalidGeometry(f"encloses no area (extent {diagonal:.6g}); give a simple loop", parameter="section")
+    if spikes := len(loop) - len(kept):
+        warnings.append(f"{spikes} points of the section were left out, at which it goes straight back")
+        loop, number = loop[kept], number[kept]
+    refuse_crossings(loop, number, plane, hair, closed=True, parameter="section")
     if doubled_area(loop) < 0:
         loop, number = loop[::-1], number[::-1]
         if abs(plane.normal[2]) > 0.5:  # in other planes neither side is the upper one
@@ -112,3 +121,24 @@ def _is_round(points: np.ndarray) -> bool:
         return float(a @ b) / max(float(np.linalg.norm(a) * np.linalg.norm(b)), 1e-300)
 
     return cosine(last, across) > 0.7 and cosine(across, first) > 0.7
+
+
+def _without_spikes(loop: np.ndarray, hair: float) -> np.ndarray:
+    """Numbers of the points without those at which the outline goes back where it came from.
+
+    Rounded coordinates do that at noses, and where the sides of a cusp have become one line. A spike has no width, so
+    that what the loop encloses stays the same.
+    """
+    kept = np.arange(len(loop))
+    while len(kept) > 2:
+        points = loop[kept]
+        before, after = np.roll(points, 1, axis=0) - points, np.roll(points, -1, axis=0) - points
+        short, long = np.linalg.norm(before, axis=1), np.linalg.norm(after, axis=1)
+        width = np.abs(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]) / np.maximum(short, long)
+        same = np.linalg.norm(before, axis=1) <= hair
+        tip = same | ((width <= hair) & ((before * after).sum(axis=1) > 0))
+        tip &= ~(np.roll(tip, 1) & (np.arange(len(tip)) > 0))  # of two neighbours one at a time
+        if not tip.any():
+            break
+        kept = kept[~tip]
+    return kept

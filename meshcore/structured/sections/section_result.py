@@ -15,6 +15,9 @@ from ..folds import folded_cells, refuse_folds
 from ..layer_report import layers_told, worst_skew
 from ..poisson.elliptic_problem import Asked, solved
 from ..poisson.wall_control import Wall
+from .first_heights import with_first_heights
+
+_ANGLES = "error of wall angles (degree)"
 
 
 def finished(
@@ -55,6 +58,7 @@ def finished(
         If cells are folded; `cells` and `partial` show where.
     """
     history: dict = {}
+    wanted = np.full(grid.shape[0], told["first height"]) if past == 0 else _first_heights(grid, past)
     if method == "elliptic":
         outside = replace(grid, points=grid.points[:, past:], cuts=() if past else grid.cuts)
         outside, report, more = smoothed(outside, _wall(outside, kept), cure, progress)
@@ -62,10 +66,13 @@ def finished(
         beyond = f"beyond the {past} layers that round the blunt edge: " if past else ""
         warnings = warnings + [beyond + text for text in more]
         if report is not None:
-            errors = {name: value for name, value in report.quality.items() if name.startswith("error") and not past}
-            told = {**told, **errors}  # of the layers that stay, what is reached is told below
+            if (angles := report.quality.get(_ANGLES)) is not None and not past:
+                told = {**told, _ANGLES: angles}  # heights are told below, as they are in the end
             history = {"iterations": report.iterations, "residual": report.residual, "converged": report.converged}
             history["history"] = report.history
+    if past == 0 or method == "elliptic":
+        lines = with_first_heights(grid.points[:, past:, 0], wanted)
+        grid = grid.with_points(np.concatenate([grid.points[:, :past], lines[:, :, None]], axis=1))
     advance(progress, 0.95, "checking the grid")
     refuse_folds(grid, cure)
     validate(grid)
@@ -78,6 +85,11 @@ def finished(
 def _of_walls(grid: StructuredGrid, wake: int) -> np.ndarray:
     """(n, nj, 3) float: the lines that leave the wall; ``wake`` points at both ends of i stand before none."""
     return grid.points[wake : len(grid.points) - wake, :, 0]
+
+
+def _first_heights(grid: StructuredGrid, past: int) -> np.ndarray:
+    """(ni,) float: lengths of the first cells of the lines beyond layers that stay."""
+    return np.linalg.norm(grid.points[:, past + 1, 0] - grid.points[:, past, 0], axis=1)
 
 
 def smoothed(

@@ -10,6 +10,8 @@ from meshcore import gallery
 from meshcore.quality import line_angle
 from meshcore.structured.sections.section_result import scaled_jacobians
 from tests.bodies import BODIES, random_bodies
+from tests.section_families import FAMILIES, section_of
+from tests.section_trials import METHODS, tried
 from tests.sections import random_sections
 
 
@@ -113,3 +115,12 @@ def test_layers_round_blunt_edges_are_kept_only_if_they_are_sound(method):
 def test_few_layers_round_a_blunt_edge(method, layers):
     grid, _ = mc.c_grid(gallery.airfoil("naca0012"), layers=layers, radius=2, first_height=0.3, method=method)
     assert grid.cell_shape[1] == layers
+
+
+@pytest.mark.parametrize("family", [name for name in FAMILIES if name != "many points"])  # seconds
+def test_sections_of_every_family_get_sound_o_grids(family):
+    section = section_of(family, 7, 0)
+    for method in METHODS:
+        trial = tried("O", method, section)
+        assert trial.word == "sound", trial
+        assert method != "hyperbolic" or trial.heights == 0, trial

@@ -134,6 +134,27 @@ def test_repeated_points_are_left_out_with_a_warning():
     assert grid.cell_shape[0] == 12 and "1 repeated" in report.warnings[0]
 
 
+@pytest.mark.parametrize("tilted", [False, True])
+def test_where_an_outline_goes_straight_back_points_are_left_out_with_a_warning(tilted):
+    loop = polyline(gallery.airfoil("rae2822"))[:-1]
+    seam = loop[0] + [[0.02, 0, 0], [0.05, 0, 0], [0.03, 0, 0], [0.01, 0, 0]]  # as a cusp that has been rounded
+    spike = loop[40] + [[0, 0.01, 0], [0, 0, 0]]
+    given = np.vstack([loop[:41], spike, loop[41:], loop[:1], seam, loop[:1]])
+    if tilted:
+        given = 300 + given @ np.linalg.qr(np.random.default_rng(2).normal(size=(3, 3)))[0]
+    grid, report = mc.o_grid(given)
+    assert grid.cell_shape[0] == len(loop)
+    assert any("goes straight back" in text for text in report.warnings)
+
+
+@pytest.mark.parametrize("place", [0, 1e4])
+def test_points_on_the_other_side_are_told_even_far_from_the_origin(place):
+    given = np.array([[0, 0], [1, -0.1], [3, -0.1], [2, 0.1], [1.5, -0.1], [1, 0.3], [0, 0.0]])
+    tilt = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0][:2]
+    with pytest.raises(InvalidGeometry, match="touches itself at point 4"):
+        mc.o_grid(given @ tilt + place)
+
+
 def test_what_is_cleaned_is_told():
     loop = polyline(gallery.airfoil("naca0012"))
     _, report = mc.o_grid(loop[:-1])  # the base is missing
