@@ -86,7 +86,7 @@ def test_reports_tell_heights_reached_skew_and_wall_units():
     assert report.quality["worst skew of lines (degree)"] == pytest.approx(90 - angle.min())
 
 
-@pytest.mark.parametrize(("make", "kind", "number"), [(mc.o_grid, "measured", 2), (mc.c_grid, "star", 27)])
+@pytest.mark.parametrize(("make", "kind", "number"), [(mc.o_grid, "L-shape", 48), (mc.c_grid, "turbine", 33)])
 def test_reports_tell_what_a_march_did_so_that_no_cell_folds(make, kind, number):
     found, loop = list(random_bodies(number + 1, 3))[-1]
     assert found == kind
