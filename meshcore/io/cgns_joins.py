@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from ..errors import InvalidInput
 from ..mesh import Cut, StructuredGrid
-from ..mesh.cuts import Index, Range
+from ..mesh.cuts import Index, Range, as_index, as_range
 from .cgns_nodes import Node
 from .fit import warn_dropped
 
@@ -32,12 +32,27 @@ def index_range(points: ArrayLike, axes: int) -> np.ndarray:
 
 def range_of(node: Node, block: StructuredGrid) -> Range:
     """First and last point of a range, counted from 0, in three indices."""
-    axes = 2 if block.is_surface and node.value is not None and np.shape(node.value)[-1:] == (2,) else 3
-    corners = np.zeros((2, 3), np.int64)
-    corners[:, :axes] = node.whole(2, axes) - 1
-    if (corners < 0).any() or (corners >= block.shape).any():
-        raise InvalidInput(f"{node.label} {node.name!r} is {corners.tolist()}, beyond a zone of {block.shape} points")
-    return tuple(tuple(corner) for corner in corners.tolist())  # type: ignore[return-value]
+    corners = _indices(node, block)
+    if len(corners) != 2:
+        raise InvalidInput(f"{node.label} {node.name!r} has {len(corners)} points, a range has two")
+    return as_range(corners, block.shape)
+
+
+def box_of(node: Node, block: StructuredGrid) -> np.ndarray | None:
+    """(2, 3) int: least and greatest indices of a range, or of a list that fills what lies between; else None."""
+    listed = _indices(node, block)
+    if not len(listed):
+        return None
+    low, high = listed.min(axis=0), listed.max(axis=0)
+    filled = node.label == "IndexRange_t" or len(np.unique(listed, axis=0)) == np.prod(high - low + 1)
+    return np.array(as_range((low, high), block.shape)) if filled else None
+
+
+def _indices(node: Node, block: StructuredGrid) -> np.ndarray:
+    """(n, 3) int: points from 0."""
+    axes = 2 if block.is_surface and np.shape(node.value)[-1:] == (2,) else 3
+    listed = node.whole(-1, axes) - 1
+    return np.pad(listed, ((0, 0), (0, 3 - axes)))
 
 
 # ---- writing
@@ -133,7 +148,9 @@ def _transform(node: Node) -> Index:
     """Three signed axes; those that the file leaves out are their own."""
     found = node.find("Transform")
     given = [] if found is None else found.whole(-1).tolist()
-    return (*given, *(1, 2, 3)[len(given) :])  # type: ignore[return-value]
+    if len(given) > 3:
+        raise InvalidInput(f"{node.label} {node.name!r} has a transform of {len(given)} numbers")
+    return as_index([*given, *(1, 2, 3)[len(given) :]])
 
 
 def _moved(cut: Cut, periodic: Node, blocks: Sequence[StructuredGrid]) -> Cut:

@@ -20,6 +20,8 @@ from ..errors import InvalidInput, MissingLibrary
 
 Value = Union[str, np.ndarray, None]
 NAME_LENGTH = 32
+AXES = "XYZ"
+"""How names of components end."""
 _TYPES = {"i4": "I4", "i8": "I8", "f4": "R4", "f8": "R8", "i1": "C1", "u1": "C1", "S1": "C1", "u4": "U4", "u8": "U8"}
 _DEEPEST = 24  # levels; the standard knows 9, and links may run in circles
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
@@ -164,14 +166,17 @@ def read_nodes(path: Path) -> Node:
             return _read_node(h5py, file, "/", 0)
     except (OSError, KeyError, RuntimeError, ValueError) as error:
         what = str(error).split("\n")[0][:200]
-        raise InvalidInput(f"it is damaged, or a link in it leads nowhere ({what})") from None
+        raise InvalidInput(f"it is damaged, or one of its links leads nowhere, such as to a file ({what})") from None
 
 
 def _read_node(h5py: Any, group: Any, name: str, depth: int) -> Node:
     if depth > _DEEPEST:
         raise InvalidInput(f"{name!r} lies {depth} levels deep; its links run in circles")
-    node = Node(_text(group.attrs.get("name", name)), _text(group.attrs.get("label", "")))
     kind = _text(group.attrs.get("type", ""))
+    node = Node(_text(group.attrs.get("name", name)), _text(group.attrs.get("label", "")))
+    if kind == "LK":  # it stands for a node elsewhere in this file or in another, under its own name
+        target = _read_node(h5py, group[" link"], name, depth + 1)
+        return Node(node.name, target.label, target.value, target.children)
     for key in _in_order(h5py, group):
         inner = group[key]
         if key == " data" and isinstance(inner, h5py.Dataset) and kind != "MT":

@@ -26,7 +26,7 @@ import numpy as np
 
 from ..errors import InvalidInput
 from ..mesh import Cut, MultiBlock, Patch, StructuredGrid, patches
-from ..mesh.cuts import Range
+from ..mesh.cuts import Range, as_index, as_range
 from ..mesh.structured_grid import FACES
 from .content import text_of, whole
 from .fit import warn_dropped
@@ -154,9 +154,7 @@ def _range(words: list[str], line: int, shapes: Sequence[tuple[int, int, int]]) 
     corners = np.zeros((2, 3), int)
     corners[:, axis] = shape[axis] - 1 if name.endswith("max") else 0
     corners[:, first], corners[:, second] = np.array(ends[:2]) - 1, np.array(ends[2:]) - 1
-    if (corners < 0).any() or (corners >= shape).any():
-        raise InvalidInput(f"points {ends} are beyond {name} of block {block}, which has {shape} points")
-    return block - 1, name, tuple(tuple(corner) for corner in corners.tolist())  # type: ignore[return-value]
+    return block - 1, name, as_range(corners, shape)
 
 
 def _cut(words: list[str], line: int, shapes: Sequence[tuple[int, int, int]], name: str) -> Cut:
@@ -172,4 +170,4 @@ def _cut(words: list[str], line: int, shapes: Sequence[tuple[int, int, int]], na
     for axis, other in zip(here[1:], along, strict=True):
         runs = (points[1][axis] - points[0][axis]) * (partner[1][other] - partner[0][other])
         transform[axis] = (other + 1) * (-1 if runs < 0 else 1)
-    return Cut(points, partner, tuple(transform), block, partner_block, name=name)  # type: ignore[arg-type]
+    return Cut(points, partner, as_index(transform), block, partner_block, name=name)

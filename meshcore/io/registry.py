@@ -31,16 +31,31 @@ class Format:
     extensions: tuple[str, ...]
     description: str
     holds: Holds
-    read: Callable[[Path], AnyMesh] | None
+    read: Callable[..., AnyMesh] | None
     write: Callable[..., None] | None
 
     @property
     def options(self) -> dict[str, Any]:
         """Keywords of the writer, with their defaults."""
-        if self.write is None:
-            return {}
-        parameters = inspect.signature(self.write).parameters.values()
-        return {p.name: p.default for p in parameters if p.kind is inspect.Parameter.KEYWORD_ONLY}
+        return _keywords(self.write)
+
+    @property
+    def read_options(self) -> dict[str, Any]:
+        """Keywords of the reader, with their defaults."""
+        return _keywords(self.read)
+
+
+def _keywords(function: Callable | None) -> dict[str, Any]:
+    if function is None:
+        return {}
+    parameters = inspect.signature(function).parameters.values()
+    return {p.name: p.default for p in parameters if p.kind is inspect.Parameter.KEYWORD_ONLY}
+
+
+def _check_options(format: Format, given: dict[str, Any], known: dict[str, Any]) -> None:
+    if unknown := sorted(set(given) - set(known)):
+        listed = ", ".join(known) or "none"
+        raise InvalidInput(f"{format.name} has no such option; it has {listed}", parameter=unknown[0])
 
 
 _FORMATS: dict[str, Format] = {}
@@ -52,7 +67,7 @@ def register(
     description: str,
     holds: Holds,
     *,
-    read: Callable[[Path], AnyMesh] | None = None,
+    read: Callable[..., AnyMesh] | None = None,
     write: Callable[..., None] | None = None,
 ) -> None:
     """Make a format known by its extensions; each format's module ends in this call."""
@@ -87,13 +102,15 @@ def formats() -> list[FormatRow]:
     ]
 
 
-def read(path: str | os.PathLike) -> AnyMesh:
+def read(path: str | os.PathLike, **options: Any) -> AnyMesh:
     """Read a mesh, a structured grid or several, by the file's extension.
 
     Parameters
     ----------
     path : path
         A file; upper and lower case of the extension do not matter.
+    **options
+        What the format offers: ``base="name"`` of CGNS.
 
     Returns
     -------
@@ -122,6 +139,7 @@ def read(path: str | os.PathLike) -> AnyMesh:
     format = _format_of(path)
     if format.read is None:
         raise InvalidInput(f"{path.name}: {format.name} can only be written", parameter="path")
+    _check_options(format, options, format.read_options)
     try:
         with open(path, "rb") as file:
             head = file.read(512)
@@ -131,7 +149,7 @@ def read(path: str | os.PathLike) -> AnyMesh:
         raise InvalidInput(f"{path.name} is empty; write it again", parameter="path")
     with _quiet(f"{path.name}:") as said:
         try:
-            return format.read(path)
+            return format.read(path, **options)
         except MissingLibrary:
             raise
         # A damaged file makes a library raise anything, and meshio exit: all of it means that the file is bad.
@@ -172,9 +190,7 @@ def write(path: str | os.PathLike, mesh: AnyMesh, **options: Any) -> None:
     format = _format_of(path)
     if format.write is None:
         raise InvalidInput(f"{path.name}: {format.name} can only be read; write .vtu", parameter="path")
-    if unknown := sorted(set(options) - set(format.options)):
-        known = ", ".join(format.options) or "none"
-        raise InvalidInput(f"{format.name} has no such option; it has {known}", parameter=unknown[0])
+    _check_options(format, options, format.options)
     with _quiet(f"{path.name}:"):
         mesh = fitted(mesh, format.holds, format.name)
         path = path.resolve()  # a link stays a link, its target is replaced

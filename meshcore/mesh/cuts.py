@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..errors import InvalidGeometry, InvalidInput
 from .topology import connected
@@ -24,6 +25,20 @@ Index = tuple[int, int, int]
 Range = tuple[Index, Index]
 COINCIDENT = 1e-9
 """Of the grid's extent: how far apart the two copies of a point on a cut may be."""
+
+
+def as_index(numbers: ArrayLike) -> Index:
+    """Three whole numbers of any kind as a tuple of int."""
+    i, j, k = np.asarray(numbers).tolist()
+    return int(i), int(j), int(k)
+
+
+def as_range(points: ArrayLike, shape: Sequence[int]) -> Range:
+    """First and last of two points of a block of this shape, or `InvalidInput`."""
+    corners = np.asarray(points)
+    if (corners < 0).any() or (corners >= shape).any():
+        raise InvalidInput(f"the points {corners.tolist()} are beyond a block of {tuple(shape)} points")
+    return as_index(corners[0]), as_index(corners[1])
 
 
 @dataclass(frozen=True)
@@ -154,7 +169,7 @@ class Cut:
         """The same cut of a block with itself when an axis, whose last point has this number, is counted backwards."""
 
         def place(at: Index) -> Index:
-            return tuple(last - n if a == axis else n for a, n in enumerate(at))  # type: ignore[return-value]
+            return as_index([last - n if a == axis else n for a, n in enumerate(at)])
 
         transform = tuple(-to if (a == axis) != (abs(to) - 1 == axis) else to for a, to in enumerate(self.transform))
         return replace(

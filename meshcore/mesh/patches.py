@@ -8,7 +8,7 @@ from typing import Union
 
 import numpy as np
 
-from .cuts import Cut, Index, Range, free_sides
+from .cuts import Cut, Index, Range, as_range, free_sides
 from .multi_block import MultiBlock
 from .structured_grid import FACES, StructuredGrid
 
@@ -112,7 +112,7 @@ def _rectangles(free: np.ndarray, shape: Index, axis: int, last: int) -> Iterato
         low[axis] = high[axis] = last * (shape[axis] - 1)
         for a, first, count in zip(others, (i, j), (depth, width), strict=True):
             low[a], high[a] = int(first), min(int(first + count), shape[a] - 1)
-        yield tuple(low), tuple(high)  # type: ignore[misc]
+        yield as_range((low, high), shape)
 
 
 def _run(free: np.ndarray) -> int:

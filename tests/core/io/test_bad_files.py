@@ -47,6 +47,7 @@ SAMPLES = {
     "records.p3d": lambda path: mc.io.write(path, mc.MultiBlock((grid(), grid(layers=1)))),
     "mesh.cgns": lambda path: mc.io.write(path, with_data(volume())),
     "blocks.cgns": lambda path: mc.io.write(path, turned_volumes((1, 2, 0), (True, False, True))),
+    "solid.cgns": lambda path: mc.io.write(path, mc.voronoi_3d(np.random.default_rng(0).random((9, 3))).mesh),
     "stream.g": lambda path: mc.io.write(path, grid(), record_markers=False),
 }
 
@@ -78,6 +79,8 @@ def geometry(mesh: mc.Mesh | mc.StructuredGrid | mc.MultiBlock) -> list[list]:
     """Points and cells as lists."""
     if isinstance(mesh, mc.MultiBlock):
         return [block.points.tolist() for block in mesh.blocks]
+    if isinstance(mesh, mc.PolyhedralMesh):
+        return [mesh.points.tolist(), mesh.face_nodes.tolist(), mesh.owner.tolist()]
     return [mesh.points.tolist(), *(c.tolist() for c in getattr(mesh, "cells", {}).values())]
 
 

@@ -9,6 +9,7 @@ import warnings
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -103,8 +104,8 @@ def test_mirrored_sides_are_left_out_and_told(tmp_path):
     assert mc.io.read(tmp_path / "m.cgns").cuts == ()
 
 
-def vtk_blocks(path: Path) -> list[tuple[str, int, int]]:
-    """Names, points and cells of all that VTK reads, boundaries too."""
+def vtk_output(path: Path) -> list[tuple[str, Any]]:
+    """Names and data of all that VTK reads, boundaries too."""
     from vtkmodules.vtkIOCGNSReader import vtkCGNSReader
 
     reader = vtkCGNSReader()
@@ -114,16 +115,18 @@ def vtk_blocks(path: Path) -> list[tuple[str, int, int]]:
     reader.EnableAllFamilies()
     reader.LoadBndPatchOn()
     reader.Update()
-    found = []
     output = reader.GetOutput()
-    at = output.NewIterator()
+    found, at = [], output.NewIterator()
     at.InitTraversal()
     while not at.IsDoneWithTraversal():
-        block = at.GetCurrentDataObject()
-        name = at.GetCurrentMetaData().Get(output.NAME())
-        found.append((name, block.GetNumberOfPoints(), block.GetNumberOfCells()))
+        found.append((at.GetCurrentMetaData().Get(output.NAME()), at.GetCurrentDataObject()))
         at.GoToNextItem()
     return found
+
+
+def vtk_blocks(path: Path) -> list[tuple[str, int, int]]:
+    """Names, points and cells of all that VTK reads."""
+    return [(name, block.GetNumberOfPoints(), block.GetNumberOfCells()) for name, block in vtk_output(path)]
 
 
 def test_vtk_reads_blocks_and_boundaries(tmp_path):
@@ -213,7 +216,7 @@ BAD = {
     "text for points": (changed(ZONE + "GridCoordinates/CoordinateX", np.array([b"abc"])), "no number"),
     "size": (changed("Base/block 0", np.zeros((2, 3), np.int32)), "was expected"),
     "negative size": (changed("Base/block 0", np.full((3, 3), -4, np.int32)), "its zone needs"),
-    "beyond": (changed(JOIN + "PointRange", np.array([[3, 1, 1], [3, 4, 9]])), "beyond a zone"),
+    "beyond": (changed(JOIN + "PointRange", np.array([[3, 1, 1], [3, 4, 9]])), "beyond a block"),
     "no donor": (without(JOIN + "PointRangeDonor"), "lacks PointRangeDonor"),
     "no such donor": (changed(JOIN[:-1], np.frombuffer(b"tail", np.int8)), "'tail'"),
     "transform": (changed(JOIN + "Transform", np.array([1, 1, 2], np.int32)), "transform"),
@@ -327,7 +330,9 @@ def test_mixed_sections_and_several_zones(tmp_path):
 MESH = "Base/mesh/"
 BAD_MESHES = {
     "no sections": (lambda file: [file.pop(MESH + k) for k in ("quad", "triangle", "wall")], "no Elements_t"),
-    "polyhedra": (changed(MESH + "quad", np.array([22, 0], np.int32)), "type 22"),
+    "lengths": (changed(MESH + "quad", np.array([22, 0], np.int32)), "begins"),
+    "type": (changed(MESH + "quad", np.array([57, 0], np.int32)), "unknown type 57"),
+    "no faces": (changed(MESH + "quad", np.array([23, 0], np.int32)), "begins"),
     "short": (changed(MESH + "quad/ElementConnectivity", np.array([1, 2, 3], np.int32)), "promises"),
     "beyond": (changed(MESH + "quad/ElementConnectivity", np.array([1, 2, 3, 77], np.int32)), "76|77"),
     "mixed": (changed(MESH + "quad", np.array([20, 0], np.int32)), "of type 1"),
