@@ -117,9 +117,10 @@ class Patch(OnSurface):
         self._close()
         for q in (0, 1):
             np.clip(self.x[q], self._surface.low[q], self._surface.high[q], out=self.x[q])
-        points = self._surface.points(*self.x) / self._size
-        tangents = np.concatenate(self._surface.tangents(*self.x), axis=-1) / self._size
-        return (np.moveaxis(a, -1, 0).ravel() for a in (points, tangents))  # type: ignore[return-value]
+        with np.errstate(invalid="ignore"):  # a coarse grid may run away round the surface; its correction is not taken
+            points = self._surface.points(*self.x) / self._size
+            tangents = np.concatenate(self._surface.tangents(*self.x), axis=-1) / self._size
+        return np.moveaxis(points, -1, 0).ravel(), np.moveaxis(tangents, -1, 0).ravel()
 
     def _right_side(self, tangents: np.ndarray) -> np.ndarray:
         return self.f.reshape(-1)
