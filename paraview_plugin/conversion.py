@@ -11,8 +11,12 @@ from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray,
 from vtkmodules.vtkCommonCore import VTK_BIT, vtkDataArray, vtkPoints, vtkStringArray
 from vtkmodules.vtkCommonDataModel import (
     vtkCellArray,
+    vtkCompositeDataSet,
+    vtkDataSet,
     vtkDataSetAttributes,
     vtkMultiBlockDataSet,
+    vtkPartitionedDataSet,
+    vtkPartitionedDataSetCollection,
     vtkPolyData,
     vtkStructuredGrid,
     vtkUnstructuredGrid,
@@ -130,6 +134,45 @@ def grid_of(dataset):
     )
 
 
+def blocks_of(dataset):
+    """A composite dataset as a `MultiBlock` if all of its parts are structured grids, one alone as what it is.
+
+    Other parts become one `Mesh`, with a set for each.
+    """
+    from meshcore import MultiBlock
+    from meshcore.io.vtk_data import together, with_cuts
+
+    parts = {}
+    for name, leaf in _leaves(dataset, ""):
+        name = name or f"block {len(parts)}"
+        name = name if name not in parts else f"{name} {len(parts)}"
+        parts[name] = grid_of(leaf) if isinstance(leaf, vtkStructuredGrid) else mesh_of(leaf)[0]
+    if len(parts) == 1:
+        return next(iter(parts.values()))
+    whole = together(parts)
+    return with_cuts(whole, _texts_of(dataset.GetFieldData())) if isinstance(whole, MultiBlock) else whole
+
+
+def _leaves(data, name):
+    """The datasets with points of a composite one, with their names; those inside others have the outer ones' before.
+
+    The one piece of a partitioned dataset has the name of the whole.
+    """
+    if not isinstance(data, vtkCompositeDataSet):
+        if isinstance(data, vtkDataSet) and data.GetNumberOfPoints():
+            yield name, data
+        return
+    if isinstance(data, vtkPartitionedDataSetCollection):
+        count, child = data.GetNumberOfPartitionedDataSets(), data.GetPartitionedDataSet
+    elif isinstance(data, vtkPartitionedDataSet):
+        count, child = data.GetNumberOfPartitions(), data.GetPartition
+    else:
+        count, child = data.GetNumberOfBlocks(), data.GetBlock
+    for k in range(count):
+        own = data.GetMetaData(k).Get(data.NAME()) if data.HasMetaData(k) else None
+        yield from _leaves(child(k), "/".join(part for part in (name, own) if part))
+
+
 def _texts_of(attributes):
     """The named arrays of text of a dataset's field data, such as names of faces."""
     arrays = [attributes.GetAbstractArray(k) for k in range(attributes.GetNumberOfArrays())]
@@ -157,7 +200,7 @@ def fill(output, result):
     VTK gets copies of the arrays. On numpy's own memory it would crash: a shallow copy of such an array, as
     vtkCellArray and some filters make, does not keep that memory alive.
     """
-    from meshcore import StructuredGrid
+    from meshcore import MultiBlock, StructuredGrid
     from meshcore.io.vtk_data import encoded, encoded_cuts
 
     if isinstance(output, vtkMultiBlockDataSet):
@@ -168,7 +211,7 @@ def fill(output, result):
             output.GetMetaData(k).Set(output.NAME(), name)
         add_arrays(output.GetFieldData(), encoded_cuts(result.cuts))
         return
-    if isinstance(result, StructuredGrid) and not isinstance(output, vtkStructuredGrid):
+    if isinstance(result, (StructuredGrid, MultiBlock)) and not isinstance(output, vtkStructuredGrid):
         result = result.to_mesh()  # of an operation that gives what it was given, and has one type of output here
     data = encoded(result)
     if isinstance(output, vtkStructuredGrid) and result.names:

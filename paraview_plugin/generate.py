@@ -160,10 +160,12 @@ def _tuple(rows: list[tuple[str, str, bool]]) -> str:
 
 def _takes(port: Port) -> str:
     """What the runtime makes of a VTK dataset at this port: "lines", a "curve" of lines or points in order, a "mesh", a
-    "grid", or "either" of these two."""
+    "grid", "either" of these two, or "blocks" as well."""
     kinds = typing.get_args(port.type) or (port.type,)
     if port.cells == ("line",):
         return "curve" if set(typing.get_args(Curve)) <= set(kinds) else "lines"
+    if meshcore.MultiBlock in kinds:
+        return "blocks"
     if meshcore.StructuredGrid not in kinds:
         return "mesh"
     return "either" if meshcore.Mesh in kinds else "grid"
@@ -184,6 +186,8 @@ def _setter(param: Param) -> str:
         value = "bool(value)"
     elif param.array:
         value = '"" if value == NO_ARRAY else value'
+    elif param.kind == "str":
+        value = 'value or ""'  # of an empty field Python gets None
     elif param.optional:
         value = "value or None"
     elif isinstance(param.default, Relative):
@@ -228,10 +232,11 @@ def _input(port: Port, number: int, inputs: list[Port]) -> str:
     alike = any(other.cells == port.cells for other in inputs[1:])
     label = quoteattr(port.label if alike or number else name)
     accepted = "vtkStructuredGrid" if _takes(port) == "grid" else "vtkDataSet"
+    composite = int(_takes(port) == "blocks")
     optional = "\n  <Hints><Optional/></Hints>" if port.optional else ""
     return f"""<InputProperty name="{name}" label={label} port_index="{number}" command="SetInputConnection">
   <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
-  <DataTypeDomain name="input_type" composite_data_supported="0">
+  <DataTypeDomain name="input_type" composite_data_supported="{composite}">
     <DataType value="{accepted}"/>
   </DataTypeDomain>
   <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>

@@ -18,9 +18,13 @@ from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray,
 from vtkmodules.vtkCommonCore import VTK_BIT, vtkDataArray, vtkPoints, vtkStringArray
 from vtkmodules.vtkCommonDataModel import (
     vtkCellArray,
+    vtkCompositeDataSet,
     vtkDataObject,
+    vtkDataSet,
     vtkDataSetAttributes,
     vtkMultiBlockDataSet,
+    vtkPartitionedDataSet,
+    vtkPartitionedDataSetCollection,
     vtkPolyData,
     vtkStructuredGrid,
     vtkUnstructuredGrid,
@@ -190,6 +194,45 @@ def grid_of(dataset):
     )
 
 
+def blocks_of(dataset):
+    """A composite dataset as a `MultiBlock` if all of its parts are structured grids, one alone as what it is.
+
+    Other parts become one `Mesh`, with a set for each.
+    """
+    from meshcore import MultiBlock
+    from meshcore.io.vtk_data import together, with_cuts
+
+    parts = {}
+    for name, leaf in _leaves(dataset, ""):
+        name = name or f"block {len(parts)}"
+        name = name if name not in parts else f"{name} {len(parts)}"
+        parts[name] = grid_of(leaf) if isinstance(leaf, vtkStructuredGrid) else mesh_of(leaf)[0]
+    if len(parts) == 1:
+        return next(iter(parts.values()))
+    whole = together(parts)
+    return with_cuts(whole, _texts_of(dataset.GetFieldData())) if isinstance(whole, MultiBlock) else whole
+
+
+def _leaves(data, name):
+    """The datasets with points of a composite one, with their names; those inside others have the outer ones' before.
+
+    The one piece of a partitioned dataset has the name of the whole.
+    """
+    if not isinstance(data, vtkCompositeDataSet):
+        if isinstance(data, vtkDataSet) and data.GetNumberOfPoints():
+            yield name, data
+        return
+    if isinstance(data, vtkPartitionedDataSetCollection):
+        count, child = data.GetNumberOfPartitionedDataSets(), data.GetPartitionedDataSet
+    elif isinstance(data, vtkPartitionedDataSet):
+        count, child = data.GetNumberOfPartitions(), data.GetPartition
+    else:
+        count, child = data.GetNumberOfBlocks(), data.GetBlock
+    for k in range(count):
+        own = data.GetMetaData(k).Get(data.NAME()) if data.HasMetaData(k) else None
+        yield from _leaves(child(k), "/".join(part for part in (name, own) if part))
+
+
 def _texts_of(attributes):
     """The named arrays of text of a dataset's field data, such as names of faces."""
     arrays = [attributes.GetAbstractArray(k) for k in range(attributes.GetNumberOfArrays())]
@@ -217,7 +260,7 @@ def fill(output, result):
     VTK gets copies of the arrays. On numpy's own memory it would crash: a shallow copy of such an array, as
     vtkCellArray and some filters make, does not keep that memory alive.
     """
-    from meshcore import StructuredGrid
+    from meshcore import MultiBlock, StructuredGrid
     from meshcore.io.vtk_data import encoded, encoded_cuts
 
     if isinstance(output, vtkMultiBlockDataSet):
@@ -228,7 +271,7 @@ def fill(output, result):
             output.GetMetaData(k).Set(output.NAME(), name)
         add_arrays(output.GetFieldData(), encoded_cuts(result.cuts))
         return
-    if isinstance(result, StructuredGrid) and not isinstance(output, vtkStructuredGrid):
+    if isinstance(result, (StructuredGrid, MultiBlock)) and not isinstance(output, vtkStructuredGrid):
         result = result.to_mesh()  # of an operation that gives what it was given, and has one type of output here
     data = encoded(result)
     if isinstance(output, vtkStructuredGrid) and result.names:
@@ -419,6 +462,8 @@ class Algorithm(VTKPythonAlgorithmBase):
 
     def FillInputPortInformation(self, port, info):
         info.Set(vtkAlgorithm.INPUT_REQUIRED_DATA_TYPE(), "vtkDataSet")
+        if self.ports[port][1] == "blocks":  # without it, VTK would call the filter for one block after the other
+            info.Append(vtkAlgorithm.INPUT_REQUIRED_DATA_TYPE(), "vtkCompositeDataSet")
         info.Set(vtkAlgorithm.INPUT_IS_OPTIONAL(), int(self.ports[port][2]))
         return 1
 
@@ -549,7 +594,9 @@ def converted(dataset, cells, name):
     from meshcore import InvalidGeometry
 
     try:
-        if cells == "grid" or (cells == "either" and isinstance(dataset, vtkStructuredGrid)):
+        if cells == "blocks" and isinstance(dataset, vtkCompositeDataSet):
+            return blocks_of(dataset)
+        if cells == "grid" or (cells in ("either", "blocks") and isinstance(dataset, vtkStructuredGrid)):
             return grid_of(dataset)
         kinds = {"lines": boundary_of, "curve": curve_of}
         return kinds[cells](dataset) if cells in kinds else mesh_of(dataset)[0]
@@ -559,11 +606,14 @@ def converted(dataset, cells, name):
 
 def place_of(error, inputs):
     """Where the error lies, as the coordinates of a few points; empty if it does not say."""
+    from meshcore import MultiBlock
+
     mesh = inputs.get(error.parameter) or next(iter(inputs.values()), None)
     points = [k for k in error.points if mesh is not None and k < mesh.n_points]
     if not points:
         return ""
-    flat = mesh.points.swapaxes(0, -2).reshape(-1, 3)
+    parts = mesh.blocks if isinstance(mesh, MultiBlock) else (mesh,)
+    flat = np.concatenate([part.points.swapaxes(0, -2).reshape(-1, 3) for part in parts])
     shown = ", ".join("({:.6g}, {:.6g}, {:.6g})".format(*flat[k]) for k in points[:3])
     return f" [at {shown}{' and elsewhere' if len(points) > 3 else ''}]"
 
@@ -1823,7 +1873,7 @@ class meshcoreHyperbolicGrid(Operation):
     angles and with given heights.</Documentation>
     <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
       <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
-      <DataTypeDomain name="input_type" composite_data_supported="0">
+      <DataTypeDomain name="input_type" composite_data_supported="1">
         <DataType value="vtkDataSet"/>
       </DataTypeDomain>
       <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
@@ -1896,7 +1946,7 @@ class meshcoreHyperbolicGrid(Operation):
 class meshcoreExtrudeHyperbolic(Operation):
     operation = "hyperbolic_volume"
     label = "meshcore Extrude Hyperbolic"
-    ports = (("surface", "either", False), ("guide", "either", True))
+    ports = (("surface", "blocks", False), ("guide", "either", True))
     output = "vtkUnstructuredGrid"
 
     def SetFirstHeight(self, value):
@@ -1921,7 +1971,7 @@ class meshcoreExtrudeHyperbolic(Operation):
         self.set("edges", ('automatic', 'free', 'plane', 'constant x', 'constant y', 'constant z', 'splay', 'guide', 'periodic')[value])
 
     def SetEachEdge(self, value):
-        self.set("each_edge", value)
+        self.set("each_edge", value or "")
 
     def SetSplay(self, value):
         self.set("splay", value)

@@ -6,12 +6,13 @@ import sys
 import warnings
 from pathlib import Path
 
+import numpy as np
 from paraview import print_error, print_warning
 from paraview.util.vtkAlgorithm import VTKPythonAlgorithmBase
-from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkStructuredGrid
+from vtkmodules.vtkCommonDataModel import vtkCompositeDataSet, vtkDataObject, vtkStructuredGrid
 from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm, vtkStreamingDemandDrivenPipeline
 
-from .conversion import boundary_of, curve_of, fill, fill_report, grid_of, mesh_of
+from .conversion import blocks_of, boundary_of, curve_of, fill, fill_report, grid_of, mesh_of
 from .meshcore_plugin import paraview_plugin_version  # written by generate.py
 
 NO_ARRAY = "None"
@@ -77,6 +78,8 @@ class Algorithm(VTKPythonAlgorithmBase):
 
     def FillInputPortInformation(self, port, info):
         info.Set(vtkAlgorithm.INPUT_REQUIRED_DATA_TYPE(), "vtkDataSet")
+        if self.ports[port][1] == "blocks":  # without it, VTK would call the filter for one block after the other
+            info.Append(vtkAlgorithm.INPUT_REQUIRED_DATA_TYPE(), "vtkCompositeDataSet")
         info.Set(vtkAlgorithm.INPUT_IS_OPTIONAL(), int(self.ports[port][2]))
         return 1
 
@@ -207,7 +210,9 @@ def converted(dataset, cells, name):
     from meshcore import InvalidGeometry
 
     try:
-        if cells == "grid" or (cells == "either" and isinstance(dataset, vtkStructuredGrid)):
+        if cells == "blocks" and isinstance(dataset, vtkCompositeDataSet):
+            return blocks_of(dataset)
+        if cells == "grid" or (cells in ("either", "blocks") and isinstance(dataset, vtkStructuredGrid)):
             return grid_of(dataset)
         kinds = {"lines": boundary_of, "curve": curve_of}
         return kinds[cells](dataset) if cells in kinds else mesh_of(dataset)[0]
@@ -217,10 +222,13 @@ def converted(dataset, cells, name):
 
 def place_of(error, inputs):
     """Where the error lies, as the coordinates of a few points; empty if it does not say."""
+    from meshcore import MultiBlock
+
     mesh = inputs.get(error.parameter) or next(iter(inputs.values()), None)
     points = [k for k in error.points if mesh is not None and k < mesh.n_points]
     if not points:
         return ""
-    flat = mesh.points.swapaxes(0, -2).reshape(-1, 3)
+    parts = mesh.blocks if isinstance(mesh, MultiBlock) else (mesh,)
+    flat = np.concatenate([part.points.swapaxes(0, -2).reshape(-1, 3) for part in parts])
     shown = ", ".join("({:.6g}, {:.6g}, {:.6g})".format(*flat[k]) for k in points[:3])
     return f" [at {shown}{' and elsewhere' if len(points) > 3 else ''}]"

@@ -111,7 +111,7 @@ def front_edges(
     rails = None if guide is None else Guide(guide, float(np.linalg.norm(np.ptp(graph.points, axis=0))))
     if rails is None and any(a.choice == "guide" for a in asked):
         raise InvalidInput("is needed, since edges shall stay on it", parameter="guide")
-    conditions = [_condition(graph, normals, side, a, rails) for side, a in zip(sides, asked, strict=True)]
+    conditions = [_condition(ready, normals, side, a, rails) for side, a in zip(sides, asked, strict=True)]
     periodic = [side for side, condition in zip(sides, conditions, strict=True) if condition.kind == "periodic"]
     pairs = pairs_of(graph, normals, periodic)
     front = extended(graph, pairs)
@@ -172,9 +172,9 @@ def _asked(ready: LayerSurface, sides: list[Side], given: list[tuple[str, Asked]
     return [others if a is None else a for a in asked]
 
 
-def _condition(graph: FrontGraph, normals: np.ndarray, side: Side, asked: Asked, guide: Guide | None) -> Condition:
+def _condition(ready: LayerSurface, normals: np.ndarray, side: Side, asked: Asked, guide: Guide | None) -> Condition:
     """The condition that is asked of a side."""
-    choice, points = asked.choice, graph.points[side.nodes]
+    choice, points = asked.choice, ready.graph.points[side.nodes]
     if choice.startswith("constant"):
         plane = np.eye(3)["xyz".index(choice[-1])]
         square = np.abs(normals[side.nodes] @ plane).max() <= np.sin(np.radians(SQUARE))
@@ -187,10 +187,10 @@ def _condition(graph: FrontGraph, normals: np.ndarray, side: Side, asked: Asked,
         plane = _plane_of(points, normals[side.nodes])
         if plane is None and choice == "plane":
             raise InvalidGeometry(
-                f"the edge near {side.told(graph.points)} lies in no plane that the surface meets at a right angle; "
-                "ask something else of this edge, or take edges='automatic'",
+                f"the edge near {side.told(ready.graph.points)} lies in no plane that the surface meets at a "
+                "right angle; ask something else of this edge, or take edges='automatic'",
                 parameter="surface",
-                points=side.nodes,
+                points=ready.points_at(side.nodes),
             )
         return Condition() if plane is None else Condition("plane", plane)
     return Condition(choice)

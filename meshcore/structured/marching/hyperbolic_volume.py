@@ -200,7 +200,7 @@ def _without_crossings(ready: LayerSurface, made: np.ndarray, outcome: Outcome) 
         raise InvalidGeometry(
             f"passes through itself near {at(graph.points[crossing])}; separate or unite its parts",
             parameter="surface",
-            points=np.flatnonzero(ready.number == crossing),
+            points=ready.points_at(crossing),
         )
     outcome.stopped_at, outcome.why = node, "would meet another part of the front"
     return made[: clear + 1]

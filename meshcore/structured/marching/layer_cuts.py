@@ -10,6 +10,7 @@ import numpy as np
 
 from ...errors import InvalidGeometry
 from ...mesh import Cut, Mesh, MultiBlock, StructuredGrid
+from ..poisson.periodic_faces import Motion
 from .layer_surface import LayerSurface
 from .periodic_edges import EdgePair
 
@@ -51,6 +52,8 @@ def with_cuts(
     own = [replace(cut, block=k, partner_block=k) for k, block in enumerate(surface.blocks) for cut in block.cuts]
     found, warnings = [*surface.cuts, *own], []
     sides = list(_sides(surface, ready.number))
+    known = [*surface.joins, *(cut.reversed() for cut in surface.joins)]
+    found += [cut for cut in _joined(sides, surface) if not any(_overlap(cut, other) for other in known)]
     for pair in pairs:
         cuts, missing = _cuts_of(pair, sides, surface)
         found += cuts
@@ -67,7 +70,7 @@ def with_cuts(
             replace(result, cuts=(through,))
             kept.append(through)
         except InvalidGeometry as error:
-            warnings.append(f"a cut is not recorded, since its sides are not exactly alike: {error}")
+            warnings.append(f"a cut is not recorded, since its sides are not quite alike: {error}")
     return replace(result, cuts=tuple(kept)), warnings
 
 
@@ -79,6 +82,30 @@ def _sides(surface: MultiBlock, number: np.ndarray) -> Iterator[_BlockSide]:
         for last in (False, True):
             yield _BlockSide(grid[-1 if last else 0], k, 1, 0, last)
             yield _BlockSide(grid[:, -1 if last else 0], k, 0, 1, last)
+
+
+def _joined(sides: Sequence[_BlockSide], surface: MultiBlock) -> Iterator[Cut]:
+    """Cuts between whole sides that have the same nodes, each once."""
+    first: dict[tuple[int, ...], _BlockSide] = {}
+    for side in sides:
+        nodes = tuple(side.nodes.tolist())
+        if len(set(nodes)) < len(nodes):
+            continue
+        for key in (nodes, nodes[::-1]):
+            if key in first:
+                yield _cut(first.pop(key), side, key != nodes, None, surface)
+                break
+        else:
+            first[nodes] = side
+
+
+def _overlap(cut: Cut, other: Cut) -> bool:
+    """Whether two cuts have points of a side of a block in common, more than one."""
+    if cut.block != other.block:
+        return False
+    low = np.maximum(np.min(cut.points, axis=0), np.min(other.points, axis=0))
+    high = np.minimum(np.max(cut.points, axis=0), np.max(other.points, axis=0))
+    return bool((low <= high).all() and (low < high).any())
 
 
 def _cuts_of(pair: EdgePair, sides: Sequence[_BlockSide], surface: MultiBlock) -> tuple[list[Cut], int]:
@@ -98,13 +125,13 @@ def _cuts_of(pair: EdgePair, sides: Sequence[_BlockSide], surface: MultiBlock) -
     return cuts, len(pair.first) - 1 - covered
 
 
-def _cut(side: _BlockSide, other: _BlockSide, backwards: bool, pair: EdgePair, surface: MultiBlock) -> Cut:
+def _cut(side: _BlockSide, other: _BlockSide, backwards: bool, pair: EdgePair | None, surface: MultiBlock) -> Cut:
     here, there = surface.blocks[side.block].shape, surface.blocks[other.block].shape
     end = len(side.nodes) - 1
     transform = [0, 0, 3]
     transform[side.along] = (-1 if backwards else 1) * (other.along + 1)
     transform[side.across] = (-1 if side.last == other.last else 1) * (other.across + 1)
-    motion = pair.motion
+    motion = Motion() if pair is None else pair.motion
     return Cut(
         (side.place(here, 0), side.place(here, end)),
         (other.place(there, end if backwards else 0), other.place(there, 0 if backwards else end)),
@@ -113,7 +140,7 @@ def _cut(side: _BlockSide, other: _BlockSide, backwards: bool, pair: EdgePair, s
         other.block,
         rotation=tuple(map(tuple, motion.turn.tolist())) if motion.is_turn else None,
         translation=tuple(motion.way.tolist()) if motion.way.any() else None,
-        name="periodic",
+        name="" if pair is None else "periodic",
     )
 
 

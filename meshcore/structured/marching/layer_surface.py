@@ -51,6 +51,15 @@ class LayerSurface:
         """Whether the surface has no edge."""
         return not self.graph.opened.any()
 
+    def points_at(self, nodes: np.ndarray) -> np.ndarray:
+        """(k,) int: numbers of the given points at nodes, i running fastest in each block, as errors name points."""
+        there = np.isin(self.number, nodes)
+        if not isinstance(self.source, Mesh):
+            ends = np.cumsum([block.n_points for block in _blocks(self.source)])[:-1]
+            parts = zip(np.split(there, ends), _blocks(self.source), strict=True)
+            there = np.concatenate([part.reshape(block.shape[:2]).T.ravel() for part, block in parts])
+        return np.flatnonzero(there)
+
     def layered(self, layers: np.ndarray) -> Mesh | StructuredGrid | MultiBlock:
         """(k + 1, n, 3) layers of nodes as what was given: grids, blocks, or a mesh of wedges and hexahedra."""
         if isinstance(self.given, Mesh):

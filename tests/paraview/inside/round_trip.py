@@ -21,7 +21,11 @@ from datasets import (
 )
 from harness import OUT, input_names, load_plugin, run_checks, save
 from vtkmodules.vtkCommonCore import vtkStringArray, vtkUnsignedCharArray
-from vtkmodules.vtkCommonDataModel import vtkStructuredGrid
+from vtkmodules.vtkCommonDataModel import (
+    vtkMultiBlockDataSet,
+    vtkPartitionedDataSetCollection,
+    vtkStructuredGrid,
+)
 
 import meshcore
 from meshcore import gallery
@@ -283,6 +287,81 @@ def check_layers_of_a_structured_surface_are_unstructured():
     dataset = fetched(pv.meshcoreExtrudeHyperbolic(Input=given, FirstHeight=0.01, Layers=3))
     grid, _ = meshcore.hyperbolic_volume(patch, first_height=0.01, layers=3)
     assert_same_mesh(dataset, grid.to_mesh())
+
+
+def composite(leaves, names):
+    """A vtkMultiBlockDataSet of datasets with names."""
+    blocks = vtkMultiBlockDataSet()
+    for k, (leaf, name) in enumerate(zip(leaves, names, strict=True)):
+        blocks.SetBlock(k, leaf)
+        blocks.GetMetaData(k).Set(blocks.NAME(), name)
+    return blocks
+
+
+def multi_block(surface):
+    return composite([structured(block) for block in surface.blocks], surface.names)
+
+
+def nested(surface):
+    """Two of the blocks in a composite of their own, and an empty place between."""
+    leaves = [structured(block) for block in surface.blocks]
+    inner = composite(leaves[:2], surface.names[:2])
+    return composite([inner, None, *leaves[2:]], ["first", "nothing", *surface.names[2:]])
+
+
+def partitioned(surface):
+    collection = vtkPartitionedDataSetCollection()
+    for k, (block, name) in enumerate(zip(surface.blocks, surface.names, strict=True)):
+        collection.SetPartition(k, 0, structured(block))
+        collection.GetMetaData(k).Set(collection.NAME(), name)
+    return collection
+
+
+def check_blocks_become_layers_of_one_front():
+    surface = gallery.six_patches(5)
+    blocks, _ = meshcore.hyperbolic_volume(surface, first_height=0.01, layers=3)
+    expected = blocks.to_mesh()
+    assert expected.n_points == 4 * (6 * 9 + 12 * 3 + 8)  # no copies where blocks meet
+    for composite in (multi_block(surface), nested(surface), partitioned(surface)):
+        dataset = fetched(pv.meshcoreExtrudeHyperbolic(Input=producer(composite), FirstHeight=0.01, Layers=3))
+        assert dataset.GetClassName() == "vtkUnstructuredGrid"
+        np.testing.assert_array_equal(content(dataset)[0], expected.points)
+        assert dataset.GetNumberOfCells() == expected.n_cells
+
+
+def check_blocks_read_from_a_file_become_layers():
+    surface = gallery.six_patches(5)
+    path = str(OUT / "patches.vtm")
+    meshcore.io.write(path, surface)
+    dataset = fetched(pv.meshcoreExtrudeHyperbolic(Input=pv.XMLMultiBlockDataReader(FileName=[path]), Layers=3))
+    assert dataset.GetNumberOfCells() == 6 * 16 * 3
+
+
+def check_composites_of_meshes_are_one_surface():
+    surface = gallery.six_patches(5)
+    given = composite([of_mesh(block.to_mesh()) for block in surface.blocks], surface.names)
+    dataset = fetched(pv.meshcoreExtrudeHyperbolic(Input=producer(given), FirstHeight=0.01, Layers=3))
+    assert dataset.GetNumberOfCells() == 6 * 16 * 3
+    assert dataset.GetNumberOfPoints() == 4 * (6 * 9 + 12 * 3 + 8)
+
+
+def check_edges_of_blocks_are_named_and_stay_on_a_second_input():
+    u, v = np.meshgrid(np.linspace(0, 1, 9), np.linspace(0, 2, 7), indexing="ij")
+    points = np.stack([u, v, 0.1 * np.sin(4 * u)], axis=-1)
+    surface = meshcore.MultiBlock(
+        tuple(meshcore.StructuredGrid(part) for part in (points[:5], points[4:])), ("low", "high")
+    )
+    y, z = np.meshgrid([-1.0, 3.0], [0.0, 1.0], indexing="ij")
+    wall = meshcore.StructuredGrid(np.stack([-0.3 * z, y, z], axis=-1))
+    asked = "high imax = constant x, jmin = periodic, jmax = periodic"
+    proxy = pv.meshcoreExtrudeHyperbolic(
+        Input=producer(multi_block(surface)), Guide=producer(structured(wall)), FirstHeight=0.01, Layers=5
+    )
+    proxy.EachEdge = asked
+    blocks, _ = meshcore.hyperbolic_volume(surface, wall, first_height=0.01, layers=5, each_edge=asked)
+    np.testing.assert_array_equal(content(fetched(proxy))[0], blocks.to_mesh().points)
+    x, _, z = blocks.blocks[0].points[0].reshape(-1, 3).T
+    assert np.abs(x + 0.3 * z).max() < 1e-12
 
 
 if __name__ == "__main__":

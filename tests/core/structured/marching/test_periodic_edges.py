@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import meshcore as mc
-from meshcore import quality
+from meshcore import gallery, quality
 from meshcore.errors import InvalidInput
 from meshcore.structured.marching import layer_marching
 
@@ -90,7 +90,8 @@ def test_blocks_that_run_against_each_other_are_cut_rightly():
     asked = "block 0 imin = periodic, block 1 imin = periodic"
     for other_side in (False, True):
         made, report = mc.hyperbolic_volume(blocks, first_height=0.01, layers=6, each_edge=asked, other_side=other_side)
-        (cut,) = made.cuts  # whose places are checked by MultiBlock
+        seam, cut = made.cuts  # whose places are checked by MultiBlock
+        assert seam.points[0][0] == seam.partner[0][0] and seam.transform == (-1, -2, 3) and not seam.moves
         assert (cut.block, cut.partner_block, cut.transform) == (0, 1, (-1, -2, 3)) and not report.warnings[1:]
 
 
@@ -120,8 +121,21 @@ def test_cuts_of_the_surface_run_through_the_layers():
     blocks = mc.MultiBlock((mc.StructuredGrid(tube[:9]), mc.StructuredGrid(tube[8:])), cuts=(cut,))
     for other_side in (False, True):
         made, _ = mc.hyperbolic_volume(blocks, first_height=0.01, layers=4, other_side=other_side)
-        (kept,) = made.cuts
-        assert kept.name == "seam" and kept.points[1][2] == 4 and len(kept.places()) == 3 * 5
+        kept, other = made.cuts  # the other is found: the blocks meet twice
+        assert kept.name == "seam" and not other.name and kept.points[1][2] == 4 and len(kept.places()) == 3 * 5
+
+
+def test_blocks_that_meet_are_joined_by_cuts():
+    six = gallery.six_patches(5)
+    for other_side in (False, True):
+        made, _ = mc.hyperbolic_volume(six, first_height=0.01, layers=3, other_side=other_side)
+        assert len(made.cuts) == 12 and made.to_mesh().n_points == 4 * (6 * 9 + 12 * 3 + 8)
+    t, z = np.meshgrid(np.linspace(0, 2 * np.pi, 17), [0.0, 0.5, 1.0], indexing="ij")
+    tube = mc.StructuredGrid(np.stack([np.cos(t), np.sin(t), z], axis=-1))
+    (cut,) = mc.hyperbolic_volume(tube, first_height=0.01, layers=3).mesh.cuts
+    assert (cut.points, cut.partner) == (((0, 0, 0), (0, 2, 3)), ((16, 0, 0), (16, 2, 3)))
+    ring = mc.StructuredGrid(tube.points, periodic=(True, False, False))
+    assert not mc.hyperbolic_volume(ring, first_height=0.01, layers=3).mesh.cuts  # periodic already
 
 
 def test_a_stop_beside_a_periodic_edge_is_told_at_the_surface():
