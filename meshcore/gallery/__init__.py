@@ -15,7 +15,17 @@ from .planar import (
     triangulated_square,
     wavy_sides,
 )
-from .surfaces import bumpy_ball, bumpy_torus, on_bumpy_torus, rough_tube, sides_on_torus, six_patches, wing_tip
+from .surfaces import (
+    bumpy_ball,
+    bumpy_torus,
+    conical_wall,
+    hub_sector,
+    on_bumpy_torus,
+    rough_tube,
+    sides_on_torus,
+    six_patches,
+    wing_tip,
+)
 from .volumes import blade_row, bricks, cloud_in_a_ball, dented_box, turbine_passage, twisted_cage
 
 __all__ = [
@@ -29,7 +39,9 @@ __all__ = [
     "bumpy_torus",
     "circle",
     "cloud_in_a_ball",
+    "conical_wall",
     "dented_box",
+    "hub_sector",
     "joined",
     "l_shape",
     "on_bumpy_torus",

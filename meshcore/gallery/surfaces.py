@@ -134,6 +134,42 @@ def wing_tip(chord: int = 40, span: int = 24, tip: int = 4) -> Mesh:
     return _without_repeats(StructuredGrid(points[::-1]).to_mesh())
 
 
+def hub_sector(around: int = 12, along: int = 16, *, parts: int = 10, waves: float = 0.06) -> StructuredGrid:
+    """One of ``parts`` of a wavy body of revolution about z, of radius about 1: imin turned about z is imax.
+
+    Its side jmin, a circle in the plane z = 0, stands on `conical_wall`.
+
+    Parameters
+    ----------
+    around, along : int
+        Cells.
+    parts : int
+        How many of it make the whole.
+    waves : float
+        Their height.
+
+    Examples
+    --------
+    >>> hub_sector()
+    StructuredGrid(13 x 17 points)
+    """
+    turn, z = np.meshgrid(np.linspace(0, 2 * np.pi / parts, around + 1), np.linspace(0, 1, along + 1), indexing="ij")
+    radius = 1 + waves * np.cos(parts * turn + 0.7) * np.sin(3 * z)
+    return StructuredGrid(np.stack([radius * np.cos(turn), radius * np.sin(turn), z], axis=-1))
+
+
+def conical_wall(around: int = 24, outwards: int = 4, *, slope: float = 0.4) -> StructuredGrid:
+    """A wall on which `hub_sector` stands, z = -slope (r - 1): all around, for r from 0.5 to 3.
+
+    Examples
+    --------
+    >>> conical_wall()
+    StructuredGrid(25 x 5 points)
+    """
+    turn, radius = np.meshgrid(np.linspace(0, 2 * np.pi, around + 1), np.linspace(0.5, 3, outwards + 1), indexing="ij")
+    return StructuredGrid(np.stack([radius * np.cos(turn), radius * np.sin(turn), slope * (1 - radius)], axis=-1))
+
+
 def _without_repeats(mesh: Mesh) -> Mesh:
     """A mesh of quads with coincident points made one; quads that lose a corner become triangles, others go."""
     points, number = np.unique(np.round(mesh.points, 12), axis=0, return_inverse=True)
