@@ -72,7 +72,12 @@ def wanted_text(declaration: dict[str, Any]) -> str:
         )
     if len(ports) == 1:
         return "a curve, or a mesh with open edges"
-    return f"{len(ports)} curves ({', '.join(ports)}), or one closed curve or four chains of edges in one object"
+    both = f"{len(ports)} curves ({', '.join(ports)}"
+    if len(ports) > 2:
+        return f"{both}), or one closed curve or four chains of edges in one object"
+    both += f"; make the {next(iter(ports))} the active one)"
+    optional = any(port["optional"] for port in ports.values())
+    return f"a curve, or a mesh with open edges, or {both}" if optional else both
 
 
 def gather(

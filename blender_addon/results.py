@@ -12,6 +12,7 @@ import numpy as np
 REPORT = "meshcore_report"
 QUALITY = "quality"
 MEASURE = "scaled_jacobian"
+STOPPED = "stopped"
 
 
 def show(context: Any, label: str, source: str, result: Any) -> tuple[Any, list[str]]:
@@ -43,7 +44,24 @@ def show(context: Any, label: str, source: str, result: Any) -> tuple[Any, list[
         ob.vertex_groups.new(name=face).add(vertices, 1.0, "REPLACE")
     _home(context, parent).objects.link(ob)
     _make_active(context, ob)
+    if marked := _select_stopped(data):
+        warnings = [*warnings, f"{marked} {'vertex' if marked == 1 else 'vertices'} selected there"]
     return ob, warnings
+
+
+def _select_stopped(data: Any) -> int:
+    """Select the vertices at which a march stopped, and nothing else; return how many there are."""
+    from . import convert, selection
+
+    at_vertices, at_faces = (convert.attributes(data, domain).get(STOPPED) for domain in ("POINT", "FACE"))
+    if at_vertices is not None:
+        stopped = np.flatnonzero(at_vertices > 0)
+    elif at_faces is not None:
+        stopped = np.unique([v for face in np.flatnonzero(at_faces > 0) for v in data.polygons[int(face)].vertices])
+    else:
+        return 0
+    selection.select_only(data, "vertices", stopped)
+    return len(stopped)
 
 
 def _with_named_faces(grid: Any) -> tuple[Any, dict[str, list[int]]]:

@@ -105,7 +105,8 @@ def refuse_outside(loop: np.ndarray, ring: np.ndarray, plane: Plane, what: str) 
         seen = np.arctan2(away[:, 0] * after[:, 1] - away[:, 1] * after[:, 0], (away * after).sum(axis=1)).sum()
         if abs(seen) <= np.pi:  # a curve that goes round it turns by 2 pi, seen from there
             raise InvalidGeometry(
-                f"does not go round all of the {what}: {_named(plane, point)} is outside; make it larger, or move it",
+                f"does not go round all of the {what}: {_named(plane, point)} is outside; make it larger, move it, "
+                "or exchange the two",
                 parameter="outer",
             )
 
