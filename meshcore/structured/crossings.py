@@ -47,7 +47,7 @@ def refuse_crossings(
     >>> plane = fitted_plane(bow)
     >>> refuse_crossings(plane.to_plane(bow), np.arange(4), plane, 1e-12, closed=True, parameter="section")
     Traceback (most recent call last):
-    meshcore.errors.InvalidGeometry: section: crosses itself near (0.5, 0.5, 0), between points 0, 1 and 2, 3; undo ...
+    meshcore.errors.InvalidGeometry: section: crosses itself near (0.5, 0.5, 0), between points 3, 0 and 1, 2; undo ...
     """
     start = np.arange(len(points) if closed else len(points) - 1)
     edges = np.column_stack([start, (start + 1) % len(points)])
