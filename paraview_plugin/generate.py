@@ -186,8 +186,8 @@ def _setter(param: Param) -> str:
         value = "bool(value)"
     elif param.array:
         value = '"" if value == NO_ARRAY else value'
-    elif param.kind == "str":
-        value = 'value or ""'  # of an empty field Python gets None
+    elif param.kind == "str" and not param.optional:
+        value = 'value or ""'  # VTK hands an empty text over as None
     elif param.optional:
         value = "value or None"
     elif isinstance(param.default, Relative):
