@@ -6,7 +6,7 @@ import numpy as np
 import paraview.simple as pv
 from datasets import content, dimensions, fetched, of_mesh, points_of, polylines, producer
 from harness import load_plugin, run_checks, said
-from vtkmodules.vtkCommonDataModel import vtkStructuredGrid
+from vtkmodules.vtkCommonDataModel import vtkMultiBlockDataSet, vtkStructuredGrid
 
 import meshcore
 from meshcore import gallery
@@ -79,6 +79,35 @@ def check_curves_in_place_of_a_surface_are_refused():
         pv.meshcoreEllipticGrid(South=south, East=east, North=north, West=west, Surface=south).UpdatePipeline()
     lines = [line for line in text[0].splitlines() if "ERR| meshcore " in line]
     assert len(lines) == 1 and "surface: needs triangles or quads" in lines[0], text[0]
+
+
+def check_blocks_are_extruded_as_one_surface():
+    patches = gallery.six_patches(9)
+    blocks, nested = vtkMultiBlockDataSet(), vtkMultiBlockDataSet()
+    for k, patch in enumerate(patches.blocks):
+        (nested if k else blocks).SetBlock(k, structured(patch))
+    blocks.SetBlock(1, nested)
+    proxy = pv.meshcoreExtrudeHyperbolic(Input=producer(blocks), FirstHeight=0.01, Layers=4)
+    wanted = meshcore.hyperbolic_volume(patches, first_height=0.01, layers=4).mesh.to_mesh()
+    dataset = fetched(proxy)
+    assert dataset.GetNumberOfCells() == wanted.n_cells
+    made, asked = (np.unique(np.round(points, 9), axis=0) for points in (content(dataset)[0], wanted.points))
+    assert len(made) == dataset.GetNumberOfPoints()  # none is there twice, where blocks meet
+    np.testing.assert_allclose(made, asked, atol=1e-8)
+
+
+def check_where_layers_stop_is_an_array():
+    angle = np.linspace(0.35, 2 * np.pi - 0.35, 60)
+    ring = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
+    front = np.vstack([2 * ring, 1.2 * ring[::-1], 2 * ring[:1]])
+    proxy = pv.meshcoreHyperbolicGrid(Front=producer(polylines(front.tolist())), FirstHeight=0.01, Distance=3.0)
+    grid, report = meshcore.hyperbolic(front, first_height=0.01, distance=3.0)
+    assert not report.converged
+    at_points = content(fetched(proxy))[3]
+    np.testing.assert_array_equal(at_points["stopped"], grid.flat(grid.point_data["stopped"]))
+    assert at_points["stopped"].sum() == 1
+    pv.SelectPoints(query="stopped > 0", proxy=proxy)
+    assert fetched(pv.ExtractSelection(Input=proxy)).GetNumberOfPoints() == 1
 
 
 if __name__ == "__main__":
