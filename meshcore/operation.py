@@ -260,11 +260,12 @@ def _plain_param(param: Param) -> dict[str, Any]:
     return {k: list(v) if isinstance(v, tuple) else v for k, v in plain.items()}
 
 
+Output = Literal["mesh", "grid", "blocks", "grid or blocks", "polyhedra", "as given"]
 _REGISTRY: dict[str, Operation] = {}
 
 
 def operation(
-    label: str, *, category: str, output: Literal["mesh", "grid", "blocks", "polyhedra", "as given"] = "mesh"
+    label: str, *, category: str, output: Output = "mesh"
 ) -> Callable[[Callable[..., Result]], Callable[..., Result]]:
     """Register a function as an operation and check each of its calls.
 
@@ -274,10 +275,10 @@ def operation(
         Name in Title Case, as hosts show it. It becomes part of users' files: change it as rarely as an identifier.
     category : str
         Menu under which hosts show it.
-    output : {"mesh", "grid", "blocks", "polyhedra", "as given"}
-        Whether the function makes a `Mesh`, a `StructuredGrid`, a `MultiBlock` or a `PolyhedralMesh`, or what its first
-        input is: a mesh from a mesh, a grid from a grid, blocks from blocks. Hosts whose outputs have one type show a
-        mesh.
+    output : {"mesh", "grid", "blocks", "grid or blocks", "polyhedra", "as given"}
+        Whether the function makes a `Mesh`, a `StructuredGrid`, a `MultiBlock`, the one or the other of these, or a
+        `PolyhedralMesh`, or what its first input is: a mesh from a mesh, a grid from a grid, blocks from blocks. Hosts
+        whose outputs have one type show a mesh, or a grid as the only block.
 
     Returns
     -------

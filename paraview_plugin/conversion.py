@@ -204,6 +204,7 @@ def fill(output, result):
     from meshcore.io.vtk_data import encoded, encoded_cuts
 
     if isinstance(output, vtkMultiBlockDataSet):
+        result = MultiBlock((result,)) if isinstance(result, StructuredGrid) else result
         for k, (name, block) in enumerate(zip(result.names, result.blocks, strict=True)):
             grid = vtkStructuredGrid()
             fill(grid, block)

@@ -112,7 +112,7 @@ def operation_class(op: Operation) -> str:
     label = f"meshcore {op.label}"
     name = label.replace(" ", "")
     ports = [(port.name, _takes(port), port.optional) for port in op.inputs.values()]
-    kinds = {"grid": "vtkStructuredGrid", "blocks": "vtkMultiBlockDataSet"}
+    kinds = {"grid": "vtkStructuredGrid", "blocks": "vtkMultiBlockDataSet", "grid or blocks": "vtkMultiBlockDataSet"}
     output = kinds.get(op.output, "vtkUnstructuredGrid")
     setters = "\n".join(
         [_setter(param) for param in op.params.values()] + [_own_setter(*own) for own in _own_arrays(op)]

@@ -49,7 +49,7 @@ def kind_of(mesh: Any) -> str:
 
 
 def check_mesh_file(path: Path, kind: str) -> None:
-    """Refuse, before the work, a file that cannot take a result of this kind ("mesh", "grid", "blocks" or "polyhedra").
+    """Refuse, before the work, a file that cannot take a result of this kind, of those of `operation`.
 
     Its format is tried on the smallest mesh, in the folder where the result will stand.
     """
@@ -57,11 +57,10 @@ def check_mesh_file(path: Path, kind: str) -> None:
 
     corners = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
     smallest: Mesh | PolyhedralMesh | StructuredGrid | MultiBlock = Mesh(corners[:3], {"triangle": [[0, 1, 2]]})
-    if kind in ("grid", "blocks"):
+    if kind in ("grid", "blocks", "grid or blocks"):
         smallest = StructuredGrid([[corners[0], corners[3]], [corners[1], corners[2]]])
-        smallest = (
-            smallest if kind == "grid" else MultiBlock((smallest, smallest.with_points(smallest.points + [2, 0, 0])))
-        )
+    if kind == "blocks":
+        smallest = MultiBlock((smallest, smallest.with_points(smallest.points + [2, 0, 0])))
     elif kind == "polyhedra":
         smallest = PolyhedralMesh.from_polygons(corners, [[0, 1, 2, 3]])
     with _folder_beside(path) as folder:

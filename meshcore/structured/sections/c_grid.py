@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Annotated
 
 import numpy as np
@@ -16,13 +16,15 @@ from ...report import Result
 from ..folds import FLAT
 from ..limits import check_size
 from . import section_parameters as parameters
+from .base_block import base_points, with_base
+from .c_front import Front, Wake, front_of
 from .far_field import OuterCurve, c_shape, given_outer, half_box
 from .lines_out import geometric_lines
-from .section_front import BASE_CELLS, clockwise_front, respaced_section, wake_line
+from .section_front import BASE_CELLS, respaced_section
 from .section_input import GivenSection, section_loop
 from .section_march import lines_by
 from .section_result import finished, scaled_jacobians
-from .unwrapped import Unwrapped, paths, unwrapped
+from .unwrapped import paths
 
 _CURE = "make the section smoother or thinner, give more points around it, or take o_grid"
 _BENDS = (0.3, 0.1, 0.03)
@@ -32,7 +34,7 @@ _PAST_BASE = 3.0
 _NAMES = {"imin": "outflow", "imax": "outflow", "jmin": "wall", "jmax": "far field"}
 
 
-@operation("C Grid", category="Structured", output="grid")
+@operation("C Grid", category="Structured", output="grid or blocks")
 def c_grid(
     section: parameters.SectionPort,
     outer: Annotated[Curve | None, Port("An open far field, its ends beside the wake's end", cells=("line",))] = None,
@@ -51,13 +53,17 @@ def c_grid(
     wake: parameters.WakeParam = None,
     wake_cells: parameters.WakeCellsParam = None,
     wake_growth: parameters.WakeGrowthParam = 1.2,
+    wake_spacing: parameters.WakeSpacingParam = None,
+    wake_height: parameters.WakeHeightParam = None,
+    wake_angle: parameters.WakeAngleParam = 0.0,
+    base: parameters.BaseParam = "block",
     progress: Progress = silent,
 ) -> Result:
     """Wrap a C-grid of quadrilaterals around a section and its wake.
 
     The grid's j = 0 runs from the outflow along the wake to the trailing edge, clockwise round the section, and back
     along the wake, whose two sides are one line: a cut, which the grid knows. The trailing edge may be sharp, a cusp,
-    or blunt; the wake of a blunt one begins in the middle of its base.
+    or blunt. Behind a blunt one the two sides of the wake begin at its corners, and a second block stands between them.
 
     ::
 
@@ -102,13 +108,24 @@ def c_grid(
         Cells along the wake.
     wake_growth : float
         Cells grow along the wake by no more than this factor, if `wake_cells` is left out.
+    wake_spacing : Length, optional
+        Length of the wake's first cells.
+    wake_height : Length, optional
+        Height of the first cells at the wake's end; from the trailing edge on heights change evenly with the distance.
+    wake_angle : float
+        Degrees from the chord's direction, counter-clockwise, of the wake's end. At the trailing edge it has the
+        direction of the bisector, and turns within half a chord.
+    base : {"block", "wrapped"}
+        Behind a blunt trailing edge: a block of its own, whose "imin" is the base, or cells of the one block that go
+        round the base to a wake that begins at its middle; at its corners these are skewed by 45 degrees and more.
     progress : Progress, optional
         Called with fraction and message.
 
     Returns
     -------
     Result
-        `StructuredGrid` of (ni, nj, 1) points with its cut, and the report.
+        `StructuredGrid` of (ni, nj, 1) points with its cut, or `MultiBlock` of it, "section", and the block "base", in
+        which i runs downstream and j up; and the report.
 
     Raises
     ------
@@ -135,53 +152,48 @@ def c_grid(
     >>> grid, report = c_grid(gallery.airfoil("rae2822"), radius=5, first_height=1e-4)
     >>> grid.cuts[0].name, grid.names["jmin"]
     ('wake', 'wall')
+    >>> c_grid(gallery.airfoil("naca0012"), radius=5).mesh.names
+    ('section', 'base')
     """
     given = section_loop(section)
-    lead, trail = (None if x is None else absolute(x, given.diagonal) for x in (leading_spacing, trailing_spacing))
+    lengths = (None if x is None else absolute(x, given.diagonal) for x in (leading_spacing, trailing_spacing))
     if around is not None:
         check_size(around + 1, (layers or 1) + 1, parameter="around")
-    shape = respaced_section(Section.of(given.loop), around, lead, trail)
+    shape = respaced_section(Section.of(given.loop), around, *lengths)
     reach = radius * shape.chord
     height = parameters.wall_height(first_height, y_plus, reynolds, shape.loop, shape.chord, given.diagonal, reach)
-    front = _front(shape, (wake or radius) * shape.chord, wake_cells, wake_growth)
+    sizes = (None if x is None else absolute(x, given.diagonal) for x in (wake_spacing, wake_height))
+    asked = Wake((wake or radius) * shape.chord, wake_cells, wake_growth, *sizes, wake_angle).checked(reach)
+    front = front_of(shape, asked, height, block=base == "block")
     curve = _outer_curve(given, shape, outer, far_field, reach, front.end)
     advance(progress, 0.1, "choosing lines")
-    points = _best(front, curve, np.full(len(front.points), height), layers, growth, part_of(progress, 0.1, 0.5))
-    warnings = list(given.warnings)
+    points = _best(front, curve, layers, growth, part_of(progress, 0.1, 0.5))
     step, past = part_of(progress, 0.5, 0.6), _past_base(front, points)
     method, points, told, changed = lines_by(method, points, closed=False, progress=step, kept=past)
-    warnings += told
-    n = len(points) - 1
-    points[n - front.wake :, 0] = points[front.wake :: -1, 0]  # the cut, to the last bit
-    cut = Cut(((0, 0, 0), (front.wake, 0, 0)), ((n, 0, 0), (n - front.wake, 0, 0)), (-1, -2, 3), name="wake")
-    grid = StructuredGrid(given.to_space(points), names=_NAMES, cuts=(cut,))
-    counts = {"around": n - 2 * front.wake, "wake": front.wake, "layers": grid.cell_shape[1], **changed}
+    grid = _block(front, points, given)
+    counts = {"around": len(points) - 1 - 2 * front.wake, "wake": front.wake, "layers": grid.cell_shape[1], **changed}
     figures = {"first height": height, **({} if y_plus is None else {"y+": y_plus})}
     kept = np.ones(len(points)) if past else None  # lines fan out there
-    return finished(grid, method, kept, past, _CURE, counts, figures, warnings, part_of(progress, 0.6, 1.0))
+    warnings = [*given.warnings, *told]
+    last = part_of(progress, 0.6, 1.0)
+    result = finished(grid, method, kept, past, _CURE, counts, figures, warnings, last, front.heights)
+    if front.sides is None:
+        return result
+    behind = base_points(shape, *front.sides, front.heights[len(points) - 1 - front.wake :], growth)
+    return with_base(result, given.to_space(behind), _CURE)
 
 
-@dataclass(frozen=True)
-class _Front:
-    """The inner boundary of a C-grid, in its plane and unwrapped."""
-
-    points: np.ndarray
-    wake: int
-    end: np.ndarray
-    opened: Unwrapped
-
-
-def _front(section: Section, length: float, cells: int | None, growth: float) -> _Front:
-    around, base = clockwise_front(section)
-    ends = np.linalg.norm(np.diff(around[[0, 1, -2, -1]], axis=0)[::2], axis=1)
-    line = wake_line(section, length, cells, float(ends.mean()), growth)
-    wake = len(line) - 1
-    points = np.vstack([line[:0:-1], around, line[1:]])
-    opened = unwrapped(points, wake, section.focus, section.tail - section.nose, base)
-    return _Front(points, wake, line[-1], opened)
+def _block(front: Front, points: np.ndarray, given: GivenSection) -> StructuredGrid:
+    """The block round the section, in space, and with its cut if it has one."""
+    n, cuts = len(points) - 1, ()
+    if front.sides is None:
+        points[n - front.wake :, 0] = points[front.wake :: -1, 0]  # the cut, to the last bit
+        place = ((0, 0, 0), (front.wake, 0, 0)), ((n, 0, 0), (n - front.wake, 0, 0))
+        cuts = (Cut(*place, (-1, -2, 3), name="wake"),)
+    return StructuredGrid(given.to_space(points), names=_NAMES, cuts=cuts)
 
 
-def _past_base(front: _Front, points: np.ndarray) -> int:
+def _past_base(front: Front, points: np.ndarray) -> int:
     """Layers of the transfinite grid that marches and smoothing keep: those that round a blunt base, if sound."""
     if not front.opened.shift.any():
         return 0
@@ -199,9 +211,7 @@ def _outer_curve(given: GivenSection, section: Section, outer, shape: str, reach
     return OuterCurve((c_shape if shape == "C" else half_box)(section, reach, end), ahead)
 
 
-def _best(
-    front: _Front, curve: OuterCurve, heights: np.ndarray, layers: int | None, growth: float, progress: Progress
-) -> np.ndarray:
+def _best(front: Front, curve: OuterCurve, layers: int | None, growth: float, progress: Progress) -> np.ndarray:
     """Points of the family's soundest grid."""
     best, chosen = np.inf, None
     tries = [(evenness, bend) for evenness in _EVENNESS for bend in _BENDS]
@@ -217,14 +227,15 @@ def _best(
             best, chosen = score, (stop, bend)
     stop, bend = chosen
     # Beside a blunt base lines that are moved downstream take the levels of lines that are not.
-    unmoved = replace(front.opened, shift=np.zeros((2, len(heights))))
-    t, _ = geometric_lines(lambda t: front.opened.wrap(paths(unmoved, stop, bend, t)), heights, layers, growth)
+    unmoved = replace(front.opened, shift=np.zeros((2, len(front.heights))))
+    wrap = front.opened.wrap
+    t, _ = geometric_lines(lambda t: wrap(paths(unmoved, stop, bend, t)), front.heights, layers, growth)
     points = front.opened.wrap(paths(front.opened, stop, bend, t))
     points[:, 0] = front.points
     return points
 
 
-def _ends(front: _Front, curve: OuterCurve, evenness: float) -> np.ndarray:
+def _ends(front: Front, curve: OuterCurve, evenness: float) -> np.ndarray:
     """(n,) complex: where lines end on the far field, between as the front's points are opened and evenly by number."""
     xi, nose = front.opened.front.real, front.opened.nose
     number = np.arange(len(xi)) - nose

@@ -71,8 +71,15 @@ def clockwise_front(section: Section) -> tuple[np.ndarray, int]:
     return np.vstack([down, loop[section.lower :: -1], up[::-1]]), BASE_CELLS
 
 
-def wake_line(section: Section, length: float, cells: int | None, first: float, growth: float) -> np.ndarray:
-    """(cells + 1, 2) points from the trailing edge downstream, along its bisector first, then along the chord.
+def corner_front(section: Section) -> np.ndarray:
+    """(n, 2) points from the lower corner of a blunt base clockwise to the upper one."""
+    return section.loop[section.lower :: -1]
+
+
+def wake_line(
+    section: Section, length: float, cells: int | None, first: float, growth: float, angle: float = 0.0
+) -> np.ndarray:
+    """(cells + 1, 2) points from the trailing edge downstream, along its bisector first, then along a given direction.
 
     Parameters
     ----------
@@ -86,11 +93,13 @@ def wake_line(section: Section, length: float, cells: int | None, first: float, 
         Size of the first cell.
     growth : float
         Largest growth of the cells, if `cells` is left out.
+    angle : float
+        Degrees from the chord's direction to that of the wake's end, counter-clockwise.
     """
-    forward = section.direction
-    angle = np.arctan2(*np.array([[-forward[1], forward[0]], forward]) @ section.bisector)
-    s = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, 2000)]) * 1.2 * length
-    heading = angle * np.exp(-s / (WAKE_BENDS * section.chord))
+    forward, last = section.direction, np.radians(angle)
+    begin = np.arctan2(*np.array([[-forward[1], forward[0]], forward]) @ section.bisector)
+    s = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, 2000)]) * 1.2 * length / np.cos(last)
+    heading = last + (begin - last) * np.exp(-s / (WAKE_BENDS * section.chord))
     steps = np.diff(s) * np.cos(0.5 * (heading[1:] + heading[:-1]))
     drift = np.diff(s) * np.sin(0.5 * (heading[1:] + heading[:-1]))
     x = np.concatenate([[0.0], np.cumsum(steps)])

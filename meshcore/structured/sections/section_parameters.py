@@ -13,6 +13,7 @@ from .wall_units import height_for
 
 Method = Literal["transfinite", "elliptic", "hyperbolic", "parabolic"]
 OpenFarField = Literal["C", "box"]
+Base = Literal["block", "wrapped"]
 
 SectionPort = Annotated[Curve, Port("One closed loop in a plane, such as an airfoil", cells=("line",))]
 SectionOrSlitPort = Annotated[Curve, Port("One closed loop in a plane, or an open line: a slit", cells=("line",))]
@@ -46,6 +47,16 @@ WakeCellsParam = Annotated[
 WakeGrowthParam = Annotated[
     float, Param("Growth of cells along the wake that sets their number", min=1.001, max=3, group="Spacing")
 ]
+WakeSpacingParam = Annotated[
+    Length | None, Param("Length of the wake's first cells; by default as the section's last ones", group="Spacing")
+]
+WakeHeightParam = Annotated[
+    Length | None, Param("Height of the cells at the wake's end; by default as at the section", group="Spacing")
+]
+WakeAngleParam = Annotated[
+    float, Param("Direction of the wake's end from the chord, upwards", min=-45, max=45, unit="degree")
+]
+BaseParam = Annotated[Base, Param("Behind a blunt trailing edge: a block of its own, or cells that go round it")]
 FlowParam = Annotated[
     float, Param("Direction of the box from the chord, counter-clockwise", min=-45, max=45, unit="degree")
 ]

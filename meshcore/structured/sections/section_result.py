@@ -14,9 +14,13 @@ from ...report import Report, Result
 from ..folds import folded_cells, refuse_folds
 from ..layer_report import layers_told, worst_skew
 from ..poisson.elliptic_problem import Asked, solved
-from ..poisson.wall_control import Wall
-from .first_heights import with_first_heights
+from ..poisson.wall_control import ANGLE_WITHIN, RESIDUAL_WITHIN, Wall
+from .first_heights import WITHIN, with_first_heights
+from .respacing import respaced
 
+_WORST = "worst scaled jacobian"
+_WORSE = 0.5
+"""Share of the worst scaled Jacobian that must be left if layers are respaced."""
 _ANGLES = "error of wall angles (degree)"
 
 
@@ -30,15 +34,16 @@ def finished(
     told: dict[str, float],
     warnings: list[str],
     progress: Progress,
+    heights: np.ndarray | None = None,
 ) -> Result:
-    """The grid, smoothed if the method says so, and its report.
+    """The grid, smoothed and its layers respaced if the method says so, and its report.
 
     Parameters
     ----------
     grid : StructuredGrid
         The transfinite grid, whose first heights are those wanted.
     method : str
-        It is smoothed if this is "elliptic".
+        It is smoothed if this is "elliptic", and then, or if it is "parabolic", its layers made to grow evenly.
     kept : (ni,) float, optional
         How far, from 0 to 1, smoothing keeps the angles of the lines at its wall, instead of making them right.
     past : int
@@ -51,6 +56,8 @@ def finished(
         What has been changed so far.
     progress : Progress
         Called with fraction and message.
+    heights : (ni,) float, optional
+        First heights; by default the one that is ``told``.
 
     Raises
     ------
@@ -58,11 +65,21 @@ def finished(
         If cells are folded; `cells` and `partial` show where.
     """
     history: dict = {}
-    wanted = np.full(grid.shape[0], told["first height"]) if past == 0 else _first_heights(grid, past)
+    wanted = np.full(grid.shape[0], told["first height"]) if heights is None else heights
+    if past:
+        wanted = _first_heights(grid, past)
     if method == "elliptic":
         outside = replace(grid, points=grid.points[:, past:], cuts=() if past else grid.cuts)
         outside, report, more = smoothed(outside, _wall(outside, kept), cure, progress)
         grid = replace(grid, points=np.concatenate([grid.points[:, :past], outside.points], axis=1))
+    if method in ("elliptic", "parabolic"):
+        grid = _evenly_growing(grid, wanted, past, counts.get("wake", 0))
+    if past == 0 or method == "elliptic":
+        lines = with_first_heights(grid.points[:, past:, 0], wanted)
+        grid = grid.with_points(np.concatenate([grid.points[:, :past], lines[:, :, None]], axis=1))
+    if method == "elliptic":
+        if np.abs(_first_heights(grid, past) / wanted - 1).max() < 2 * WITHIN:
+            report, more = _with_heights_met(report, more)
         beyond = f"beyond the {past} layers that round the blunt edge: " if past else ""
         warnings = warnings + [beyond + text for text in more]
         if report is not None:
@@ -70,9 +87,6 @@ def finished(
                 told = {**told, _ANGLES: angles}  # heights are told below, as they are in the end
             history = {"iterations": report.iterations, "residual": report.residual, "converged": report.converged}
             history["history"] = report.history
-    if past == 0 or method == "elliptic":
-        lines = with_first_heights(grid.points[:, past:, 0], wanted)
-        grid = grid.with_points(np.concatenate([grid.points[:, :past], lines[:, :, None]], axis=1))
     advance(progress, 0.95, "checking the grid")
     refuse_folds(grid, cure)
     validate(grid)
@@ -80,6 +94,28 @@ def finished(
     lines = layers_told(_of_walls(grid, counts.get("wake", 0)), told["first height"])
     told = {**told, **lines, **worst_skew(grid)}
     return Result(grid, Report(counts=counts, quality={**summary(grid), **told}, warnings=warnings, **history))
+
+
+def _evenly_growing(grid: StructuredGrid, heights: np.ndarray, past: int, wake: int) -> StructuredGrid:
+    """The grid with its layers beyond the first ``past`` respaced, unless that makes cells much worse."""
+    lines = grid.points[:, past:, 0]
+    found = respaced(lines, heights, slice(wake, len(lines) - wake))
+    if found is None:
+        return grid
+    if grid.periodic[0]:
+        found[-1] = found[0]
+    even = grid.with_points(np.concatenate([grid.points[:, :past], found[:, :, None]], axis=1))
+    worst = [0.0 if folded_cells(g.points[:, :, 0]).any() else summary(g)[_WORST] for g in (even, grid)]
+    return even if worst[0] > _WORSE * worst[1] else grid
+
+
+def _with_heights_met(report: Report | None, warnings: list[str]) -> tuple[Report | None, list[str]]:
+    """What is to be told of smoothing that came near to angles, but not to heights, which points on lines now have."""
+    if report is None or report.converged or _ANGLES not in report.quality:
+        return report, warnings
+    if report.quality[_ANGLES] >= ANGLE_WITHIN or report.residual >= RESIDUAL_WITHIN:
+        return report, warnings
+    return replace(report, converged=True), [text for text in warnings if not text.startswith("walls not controlled")]
 
 
 def _of_walls(grid: StructuredGrid, wake: int) -> np.ndarray:
