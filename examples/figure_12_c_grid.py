@@ -3,6 +3,8 @@
 One block runs from the outflow along the wake, clockwise round RAE 2822, and back: the two sides of the wake are one
 line, a cut that the grid knows. Beyond it i and j change their directions; a halo holds the points of the other side,
 so that the formula of the interior serves on the wake, too: there the Laplacian of x^2 + y^2 is 4, as anywhere.
+
+Behind the blunt trailing edge of NACA 0012 the two sides of the wake are apart, and a second block stands between them.
 """
 
 import sys
@@ -27,6 +29,13 @@ def main(folder="out"):
     laplacian = Curvilinear(grid).laplacian(x**2 + y**2)
     on_wake = slice(3, wake.points[1][0] - 6)
     assert np.abs(laplacian[on_wake, 0] - 4).max() < 0.2
+    blocks, _ = mc.c_grid(gallery.airfoil("naca0012"), around=192, first_height=1e-4, trailing_spacing=0.001)
+    picture(blocks, path / "figure_12_blunt.png", zoom=((0.985, -0.009), (1.015, 0.009)))
+    section, base = blocks.blocks
+    corner = blocks.cuts[1].points[0][0]
+    heights = [np.linalg.norm(section.points[corner, 1] - section.points[corner, 0])]
+    heights += [np.linalg.norm(base.points[1, j] - base.points[1, j - 1]) for j in (-1, 1)]
+    assert np.ptp(heights) < 0.02 * min(heights)  # of the cells on both sides of both cuts
     return grid.n_cells
 
 

@@ -264,6 +264,7 @@ def fill(output, result):
     from meshcore.io.vtk_data import encoded, encoded_cuts
 
     if isinstance(output, vtkMultiBlockDataSet):
+        result = MultiBlock((result,)) if isinstance(result, StructuredGrid) else result
         for k, (name, block) in enumerate(zip(result.names, result.blocks, strict=True)):
             grid = vtkStructuredGrid()
             fill(grid, block)
@@ -987,6 +988,24 @@ def vtk_type_of(content):
       <DoubleRangeDomain name="range" min="1.001" max="3"/>
       <Documentation>Growth of cells along the wake that sets their number.</Documentation>
     </DoubleVectorProperty>
+    <DoubleVectorProperty name="WakeSpacing" label="Wake Spacing" command="SetWakeSpacing" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Length of the wake's first cells; by default as the section's last ones; 0 leaves it
+      out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="WakeHeight" label="Wake Height" command="SetWakeHeight" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Height of the cells at the wake's end; by default as at the section; 0 leaves it
+      out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="WakeAngle" label="Wake Angle" command="SetWakeAngle" number_of_elements="1" default_values="0.0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="-45" max="45"/>
+      <Documentation>Direction of the wake's end from the chord, upwards, in degrees.</Documentation>
+    </DoubleVectorProperty>
+    <IntVectorProperty name="Base" label="Base" command="SetBase" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="block"/><Entry value="1" text="wrapped"/></EnumerationDomain>
+      <Documentation>Behind a blunt trailing edge: a block of its own, or cells that go round it.</Documentation>
+    </IntVectorProperty>
     <PropertyGroup label="Parameters">
       <Property name="FarField"/>
       <Property name="Radius"/>
@@ -995,6 +1014,8 @@ def vtk_type_of(content):
       <Property name="Around"/>
       <Property name="Wake"/>
       <Property name="WakeCells"/>
+      <Property name="WakeAngle"/>
+      <Property name="Base"/>
     </PropertyGroup>
     <PropertyGroup label="Spacing">
       <Property name="FirstHeight"/>
@@ -1004,6 +1025,8 @@ def vtk_type_of(content):
       <Property name="LeadingSpacing"/>
       <Property name="TrailingSpacing"/>
       <Property name="WakeGrowth"/>
+      <Property name="WakeSpacing"/>
+      <Property name="WakeHeight"/>
     </PropertyGroup>
     """
 )
@@ -1011,7 +1034,7 @@ class meshcoreCGrid(Operation):
     operation = "c_grid"
     label = "meshcore C Grid"
     ports = (("section", "curve", False), ("outer", "curve", True))
-    output = "vtkStructuredGrid"
+    output = "vtkMultiBlockDataSet"
 
     def SetFarField(self, value):
         self.set("far_field", ('C', 'box')[value])
@@ -1054,6 +1077,18 @@ class meshcoreCGrid(Operation):
 
     def SetWakeGrowth(self, value):
         self.set("wake_growth", value)
+
+    def SetWakeSpacing(self, value):
+        self.set("wake_spacing", value or None)
+
+    def SetWakeHeight(self, value):
+        self.set("wake_height", value or None)
+
+    def SetWakeAngle(self, value):
+        self.set("wake_angle", value)
+
+    def SetBase(self, value):
+        self.set("base", ('block', 'wrapped')[value])
 
 
 

@@ -17,7 +17,6 @@ from ...quality import summary, validate
 from ...report import Report, Result
 from ...sizing import cells_for_growth, hyperbolic_tangent
 from ..folds import refuse_folds
-from ..limits import check_size
 
 _TURNS = 2.0
 """Widths of the base over which lines across the wake turn from the base's direction to that of the outflow."""
@@ -25,7 +24,20 @@ _FEWEST_GRADED = 6
 """First heights in a base from which on its cells grow towards its middle."""
 
 
-def wake_sides(section: Section, line: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def cells_across(width: float, height: float, growth: float) -> int:
+    """Cells across a base, of which the outermost have a height, growing towards the middle.
+
+    Examples
+    --------
+    >>> cells_across(0.0025, 1e-3, 1.2), cells_across(0.0025, 1e-5, 1.2)
+    (2, 36)
+    """
+    if height * _FEWEST_GRADED > width:
+        return max(2, round(width / height))
+    return 2 * cells_for_growth(2 * height / width, growth)
+
+
+def wake_sides(section: Section, line: np.ndarray, wider: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(cells + 1, 2) points of the wake's lower and upper side, from the corners of a blunt base downstream.
 
     Parameters
@@ -34,10 +46,12 @@ def wake_sides(section: Section, line: np.ndarray) -> tuple[np.ndarray, np.ndarr
         With a blunt trailing edge.
     line : (cells + 1, 2) float
         The wake, from the middle of the base.
+    wider : (cells + 1,) float
+        By how much the sides are farther apart than at the base.
     """
     half = 0.5 * (section.loop[0] - section.loop[section.lower])
     forward = section.direction
-    across = np.linalg.norm(half) * np.array([-forward[1], forward[0]])
+    across = 0.5 * (section.base + wider[:, None]) * np.array([-forward[1], forward[0]])
     share = np.exp(-arc_length(line) / (_TURNS * section.base))[:, None]
     offset = share * half + (1 - share) * across
     lower, upper = line - offset, line + offset
@@ -45,7 +59,7 @@ def wake_sides(section: Section, line: np.ndarray) -> tuple[np.ndarray, np.ndarr
     return lower, upper
 
 
-def base_points(section: Section, lower: np.ndarray, upper: np.ndarray, heights: np.ndarray, growth: float):
+def base_points(section: Section, lower: np.ndarray, upper: np.ndarray, heights: np.ndarray, across: int) -> np.ndarray:
     """(cells + 1, across + 1, 2) points of the block, i from the base downstream, j from the lower side to the upper.
 
     Parameters
@@ -56,18 +70,13 @@ def base_points(section: Section, lower: np.ndarray, upper: np.ndarray, heights:
         Sides of the wake.
     heights : (cells + 1,) float
         Heights of the cells beside the wake, which those at both sides of the block are to have.
-    growth : float
-        By which cells may grow towards the middle.
+    across : int
+        Cells from side to side.
     """
     base = np.vstack([section.loop[section.lower :], section.loop[:1]])
     width = np.linalg.norm(upper - lower, axis=1)
     width[0] = arc_length(base)[-1]
     first = np.broadcast_to(heights / width, width.shape)
-    if first[0] * _FEWEST_GRADED > 1:
-        across = max(2, round(1 / first[0]))
-    else:
-        across = 2 * cells_for_growth(2 * first[0], growth)
-    check_size(len(lower), across + 1, parameter="first_height")
     shares = np.array([_across(across, f) for f in first])
     points = lower[:, None] + shares[..., None] * (upper - lower)[:, None]
     points[0] = resampled(np.column_stack([base, 0 * base[:, 0]]), shares[0])[:, :2]

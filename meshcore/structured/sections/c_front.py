@@ -9,7 +9,8 @@ import numpy as np
 from ...errors import InvalidInput
 from ...geometry.curves import arc_length
 from ...geometry.section import Section
-from .base_block import wake_sides
+from ..limits import check_size
+from .base_block import cells_across, wake_sides
 from .section_front import clockwise_front, corner_front, wake_line
 from .unwrapped import Unwrapped, unwrapped
 
@@ -54,8 +55,10 @@ class Front:
         The end of the wake's middle line.
     heights : (n,) float
         What the first cells are to be like.
-    sides : two of (wake + 1, 2) float, or None
-        Lower and upper side of the wake, downstream, where a block stands between them.
+    sides : two of (wake + 1, 2) float
+        Lower and upper side of the wake, downstream.
+    across : int
+        Cells of the block between them; 0 if they are one line.
     opened : Unwrapped
         The front in the half plane.
     """
@@ -64,11 +67,12 @@ class Front:
     wake: int
     end: np.ndarray
     heights: np.ndarray
-    sides: tuple[np.ndarray, np.ndarray] | None
+    sides: tuple[np.ndarray, np.ndarray]
+    across: int
     opened: Unwrapped
 
 
-def front_of(section: Section, asked: Wake, height: float, *, block: bool) -> Front:
+def front_of(section: Section, asked: Wake, height: float, growth: float, *, block: bool) -> Front:
     """The front of a section.
 
     Parameters
@@ -79,6 +83,8 @@ def front_of(section: Section, asked: Wake, height: float, *, block: bool) -> Fr
         What the wake is to be like.
     height : float
         First height at the section.
+    growth : float
+        By which cells behind a base may grow towards its middle.
     block : bool
         Whether a block stands behind a blunt edge; otherwise the front goes round the base.
     """
@@ -88,11 +94,12 @@ def front_of(section: Section, asked: Wake, height: float, *, block: bool) -> Fr
     spacing = float(ends.mean()) if asked.spacing is None else asked.spacing
     line = wake_line(section, asked.length, asked.cells, spacing, asked.growth, asked.angle)
     wake = len(line) - 1
-    sides = wake_sides(section, line) if block else None
-    lower, upper = sides if block else (line, line)
-    points = np.vstack([lower[:0:-1], around, upper[1:]])
     length = arc_length(line) / arc_length(line)[-1]
     along = height + ((asked.height or height) - height) * length
+    across = cells_across(section.base, height, growth) if block else 0
+    check_size(wake + 1, across + 1, parameter="first_height")
+    lower, upper = wake_sides(section, line, across * np.maximum(along - height, 0)) if block else (line, line)
+    points = np.vstack([lower[:0:-1], around, upper[1:]])
     heights = np.concatenate([along[:0:-1], np.full(len(around), height), along[1:]])
     opened = unwrapped(points, wake, section.focus, section.tail - section.nose, base)
-    return Front(points, wake, line[-1], heights, sides, opened)
+    return Front(points, wake, line[-1], heights, (lower, upper), across, opened)

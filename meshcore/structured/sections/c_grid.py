@@ -164,7 +164,7 @@ def c_grid(
     height = parameters.wall_height(first_height, y_plus, reynolds, shape.loop, shape.chord, given.diagonal, reach)
     sizes = (None if x is None else absolute(x, given.diagonal) for x in (wake_spacing, wake_height))
     asked = Wake((wake or radius) * shape.chord, wake_cells, wake_growth, *sizes, wake_angle).checked(reach)
-    front = front_of(shape, asked, height, block=base == "block")
+    front = front_of(shape, asked, height, growth, block=base == "block")
     curve = _outer_curve(given, shape, outer, far_field, reach, front.end)
     advance(progress, 0.1, "choosing lines")
     points = _best(front, curve, layers, growth, part_of(progress, 0.1, 0.5))
@@ -177,16 +177,16 @@ def c_grid(
     warnings = [*given.warnings, *told]
     last = part_of(progress, 0.6, 1.0)
     result = finished(grid, method, kept, past, _CURE, counts, figures, warnings, last, front.heights)
-    if front.sides is None:
+    if not front.across:
         return result
-    behind = base_points(shape, *front.sides, front.heights[len(points) - 1 - front.wake :], growth)
+    behind = base_points(shape, *front.sides, front.heights[len(points) - 1 - front.wake :], front.across)
     return with_base(result, given.to_space(behind), _CURE)
 
 
 def _block(front: Front, points: np.ndarray, given: GivenSection) -> StructuredGrid:
     """The block round the section, in space, and with its cut if it has one."""
     n, cuts = len(points) - 1, ()
-    if front.sides is None:
+    if not front.across:
         points[n - front.wake :, 0] = points[front.wake :: -1, 0]  # the cut, to the last bit
         place = ((0, 0, 0), (front.wake, 0, 0)), ((n, 0, 0), (n - front.wake, 0, 0))
         cuts = (Cut(*place, (-1, -2, 3), name="wake"),)

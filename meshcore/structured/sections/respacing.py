@@ -56,6 +56,7 @@ def respaced(points: np.ndarray, heights: np.ndarray, judged: slice = slice(None
     t = np.broadcast_to(np.arange(layers + 1.0), points.shape[:2]).copy()
     number = np.arange(layers)
     fade = np.exp(-number / _FADE) * (1 - number / (layers - 1))
+    best, found = np.inf, None
     for _ in range(_PASSES):
         wrong = heights / _steps(line(t))[:, 0]
         wrong = np.where(np.abs(wrong - 1) < _NEAR, 1.0, wrong)
@@ -66,11 +67,13 @@ def respaced(points: np.ndarray, heights: np.ndarray, judged: slice = slice(None
         except InvalidInput:
             return None
         reached = np.cumsum(mean) / mean.sum()
+        off = max(np.abs(wrong - 1).max(), np.abs(reached / shares - 1).max())
+        if off < best:
+            best, found = off, line(t)
+        if off < _NEAR:
+            break
         t[:, 1:] = _moved(t[:, 1:], np.log(reached), np.log(shares))
         t[:, -1] = layers
-        if max(np.abs(wrong - 1).max(), np.abs(reached / shares - 1).max()) < _NEAR:
-            break
-    found = line(t)
     found[:, 0], found[:, -1] = points[:, 0], points[:, -1]
     return found
 

@@ -9,7 +9,7 @@ from tests.core.mesh.test_topology import enclosed_volume
 
 
 def test_the_wake_is_no_side_and_all_others_are(tmp_path):
-    grid, _ = mc.c_grid(gallery.airfoil("naca0012"), radius=3)
+    grid, _ = mc.c_grid(gallery.airfoil("rae2822"), radius=3)
     mesh = mc.with_named_sides(grid)
     wake, n = grid.cuts[0].points[1][0], grid.cell_shape[0]
     layers = grid.cell_shape[1]

@@ -32,11 +32,11 @@ def test_marches_on_coarse_points_have_the_first_heights_asked_for(name, method)
 @pytest.mark.parametrize("method", ["elliptic", "hyperbolic", "parabolic"])
 def test_grids_round_blunt_edges_of_c_grids_keep_the_layers_that_round_its_corners(method):
     section = gallery.airfoil("naca0012")  # whose base is thinner than the first height
-    grid, report = mc.c_grid(section, method=method)
+    grid, report = mc.c_grid(section, method=method, base="wrapped")
     assert all("beyond the" in text for text in report.warnings)
     assert scaled_jacobians(grid.points[:, :, 0, :2]).min() > 0.05
     assert first_heights(grid, report).min() > 0.97
-    flat, _ = mc.c_grid(section)
+    flat, _ = mc.c_grid(section, base="wrapped")
     assert np.array_equal(flat.points[:, 1], grid.points[:, 1])
     assert np.abs(flat.points - grid.points).max() > 0.1
 
@@ -53,7 +53,8 @@ def test_where_walls_of_a_cusp_cannot_be_held_they_are_left_and_that_is_told():
 def test_random_bodies_get_sound_grids(make, method):
     for _, body in random_bodies(len(BODIES), 5):
         grid, _ = make(body, method=method, first_height=0.005)
-        assert scaled_jacobians(grid.points[:, :, 0, :2]).min() > 0
+        for block in grid.blocks if isinstance(grid, mc.MultiBlock) else (grid,):
+            assert scaled_jacobians(block.points[:, :, 0, :2]).min() > 0
 
 
 @pytest.mark.parametrize("corners", [[[0, 0], [1, 0], [0.3, 0.8], [0, 0]], [[0, 0], [1, 0], [0, 0.4], [0, 0]]])
@@ -77,7 +78,7 @@ def test_h_grids_march_where_straight_lines_cross_and_tell_on_which_side(kind):
 
 
 def test_reports_tell_heights_reached_skew_and_wall_units():
-    grid, report = mc.c_grid(gallery.airfoil("naca0012"), y_plus=1.0, method="hyperbolic", around=120)
+    grid, report = mc.c_grid(gallery.airfoil("rae2822"), y_plus=1.0, method="hyperbolic", around=120)
     heights = first_heights(grid, report)
     assert report.quality["least first height / asked"] == pytest.approx(heights.min())
     assert report.quality["largest first height / asked"] == pytest.approx(heights.max())
@@ -106,15 +107,19 @@ def test_the_wake_of_a_circle_goes_along_x():
 def test_layers_round_blunt_edges_are_kept_only_if_they_are_sound(method):
     # A turbine blade on few points, whose straight lines cross beside what is taken for its trailing edge.
     loop = BODIES["turbine"](np.random.default_rng([11, 3]))
-    grid, _ = mc.c_grid(np.vstack([loop, loop[:1]]), y_plus=1.0, reynolds=1.64e5, around=60, method=method)
+    loop = np.vstack([loop, loop[:1]])
+    grid, _ = mc.c_grid(loop, y_plus=1.0, reynolds=1.64e5, around=60, method=method, base="wrapped")
     assert scaled_jacobians(grid.points[:, :, 0, :2]).min() > 0
 
 
 @pytest.mark.parametrize("layers", [2, 3])
 @pytest.mark.parametrize("method", ["elliptic", "hyperbolic", "parabolic"])
 def test_few_layers_round_a_blunt_edge(method, layers):
-    grid, _ = mc.c_grid(gallery.airfoil("naca0012"), layers=layers, radius=2, first_height=0.3, method=method)
+    keywords = {"layers": layers, "radius": 2, "first_height": 0.3, "method": method}
+    grid, _ = mc.c_grid(gallery.airfoil("naca0012"), base="wrapped", **keywords)
     assert grid.cell_shape[1] == layers
+    blocks, _ = mc.c_grid(gallery.airfoil("naca0012"), **keywords)
+    assert blocks.blocks[0].cell_shape[1] == layers
 
 
 @pytest.mark.parametrize("family", [name for name in FAMILIES if name != "many points"])  # seconds
