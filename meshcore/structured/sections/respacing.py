@@ -3,8 +3,8 @@
 The elliptic equations and marches onto a far field decide where lines run; how heights follow each other is theirs only
 roughly. New levels on the same lines are other control functions of the same equations: with eta' = f(xi, eta) the
 lines xi = const, of which ``P = Laplace xi`` is the control function, stay as they are (J. F. Thompson, Z. U. A. Warsi,
-C. W. Mastin, "Numerical Grid Generation" (1985), chapter VI). Away from the section f is the same for all lines, so
-that levels stay across them.
+C. W. Mastin, "Numerical Grid Generation" (1985), chapter VI). Near the section each line is geometric by itself; away
+from it f becomes the same for all lines, so that levels cross them as the solution's do.
 """
 
 from __future__ import annotations
@@ -17,13 +17,10 @@ from scipy.interpolate import CubicSpline
 from ...errors import InvalidInput
 from ...sizing import geometric
 
-_PASSES = 12
+_PASSES, _GAIN = 12, 0.8
+"""Corrections at most, as long as each leaves no more than this share of the error."""
 _NEAR = 1e-4
-"""Relative error of mean heights, and of first ones, that is near enough."""
-_FADE = 10.0
-"""Layers over which what a line's first height needs of its own fades."""
-_MOST = 3.0
-"""Factor by which a line's first height is changed at most at a time."""
+"""Relative error of heights over the section that is near enough."""
 
 
 def respaced(points: np.ndarray, heights: np.ndarray, judged: slice = slice(None)) -> np.ndarray | None:
@@ -53,29 +50,59 @@ def respaced(points: np.ndarray, heights: np.ndarray, judged: slice = slice(None
     if layers < 2:
         return points
     line = _splines(points)
-    t = np.broadcast_to(np.arange(layers + 1.0), points.shape[:2]).copy()
-    number = np.arange(layers)
-    fade = np.exp(-number / _FADE) * (1 - number / (layers - 1))
-    best, found = np.inf, None
+    start = np.broadcast_to(np.arange(1.0, layers + 1), (len(points), layers))
+    whole = _lengths(points)[:, -1]
+    try:
+        own = whole[:, None] * np.array([geometric(layers, first=share)[1:] for share in heights / whole])
+        first, mean = heights[judged].mean(), whole[judged].mean()
+        wanted = mean * geometric(layers, first=first / mean)[1:]
+    except InvalidInput:
+        return None
+    t = _placed(line, start, lambda lengths: lengths[judged].mean(axis=0)[None], wanted[None])
+    common = _lengths(line(t))
+    share = np.arange(1, layers + 1) / layers
+    share = share**2 * (3 - 2 * share)
+    blended = (1 - share) * own + share * common
+    blended *= wanted / blended[judged].mean(axis=0)
+    if (np.diff(blended, axis=1) <= 0).any():
+        return None
+    found = line(_placed(line, t, lambda lengths: lengths, blended))
+    found[:, -1] = points[:, -1]
+    return found
+
+
+def _placed(
+    line: Callable[[np.ndarray], np.ndarray],
+    t: np.ndarray,
+    measure: Callable[[np.ndarray], np.ndarray],
+    wanted: np.ndarray,
+) -> np.ndarray:
+    """Places (n, layers) on lines at which ``measure`` of the lengths up to there is as wanted, at least nearly.
+
+    ``wanted`` (m, layers) has a row for each line, or one for all; the last places stay.
+    """
+    best, found = np.inf, t
     for _ in range(_PASSES):
-        wrong = heights / _steps(line(t))[:, 0]
-        wrong = np.where(np.abs(wrong - 1) < _NEAR, 1.0, wrong)
-        t[:, 1:] *= np.clip(wrong, 1 / _MOST, _MOST)[:, None] ** fade
-        mean = _steps(line(t))[judged].mean(axis=0)
-        try:
-            shares = geometric(layers, first=heights[judged].mean() / mean.sum())[1:]
-        except InvalidInput:
-            return None
-        reached = np.cumsum(mean) / mean.sum()
-        off = max(np.abs(wrong - 1).max(), np.abs(reached / shares - 1).max())
-        if off < best:
-            best, found = off, line(t)
+        reached = measure(_lengths(line(t)))
+        off = float(np.abs(reached / wanted - 1).max())
+        if not off < _GAIN * best:
+            break
+        best, found = off, t
         if off < _NEAR:
             break
-        t[:, 1:] = _moved(t[:, 1:], np.log(reached), np.log(shares))
-        t[:, -1] = layers
-    found[:, 0], found[:, -1] = points[:, 0], points[:, -1]
+        moved = _moved(t, np.log(reached), np.log(wanted))
+        t = np.concatenate([moved[:, :-1], t[:, -1:]], axis=1)
     return found
+
+
+def _moved(t: np.ndarray, reached: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """Places on lines where logarithms (m, layers) of lengths are those wanted, between those reached."""
+    number = np.arange(t.shape[1], dtype=float)
+    at = np.array([np.interp(x, xp, number) for x, xp in zip(wanted, reached, strict=True)])
+    before = np.minimum(at.astype(int), t.shape[1] - 2)
+    share, logarithm = at - before, np.log(t)
+    low, high = (np.take_along_axis(logarithm, np.broadcast_to(k, t.shape), axis=1) for k in (before, before + 1))
+    return np.exp((1 - share) * low + share * high + np.minimum(wanted - reached[:, :1], 0))
 
 
 def _splines(points: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
@@ -88,17 +115,10 @@ def _splines(points: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
         c, x = pieces[:, piece, number], (t - piece)[..., None]
         return ((c[0] * x + c[1]) * x + c[2]) * x + c[3]
 
-    return line
+    start = points[:, :1]
+    return lambda t: np.concatenate([start, line(t)], axis=1)
 
 
-def _steps(points: np.ndarray) -> np.ndarray:
-    return np.linalg.norm(np.diff(points, axis=1), axis=-1)
-
-
-def _moved(t: np.ndarray, reached: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-    """Places (n, layers) on lines where logarithms of mean heights are those wanted, between those reached."""
-    at = np.interp(wanted, reached, np.arange(len(reached)))
-    before = np.minimum(at.astype(int), len(reached) - 2)
-    share, logarithm = at - before, np.log(t)
-    moved = (1 - share) * logarithm[:, before] + share * logarithm[:, before + 1]
-    return np.exp(moved + np.minimum(wanted - reached[0], 0))
+def _lengths(points: np.ndarray) -> np.ndarray:
+    """(n, m - 1) float: lengths of lines (n, m, 2) up to all points but the first."""
+    return np.cumsum(np.linalg.norm(np.diff(points, axis=1), axis=-1), axis=1)
