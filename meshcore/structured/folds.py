@@ -88,9 +88,20 @@ def _at_corner(grid: StructuredGrid, folded: np.ndarray) -> str:
     return text
 
 
+def around(values: np.ndarray) -> np.ndarray:
+    """(2 (ni + nj) - 4, ...) values of a grid's points once round its boundary, from jmin on.
+
+    Examples
+    --------
+    >>> around(np.array([[0, 3], [1, 4], [2, 5]])).tolist()
+    [0, 1, 2, 5, 4, 3]
+    """
+    return np.concatenate([values[:-1, 0], values[-1, :-1], values[:0:-1, -1], values[0, :0:-1]])
+
+
 def _area(points: np.ndarray) -> np.ndarray:
     """The area vector of a grid's boundary."""
-    loop = np.concatenate([points[:-1, 0], points[-1, :-1], points[:0:-1, -1], points[0, :0:-1]])
+    loop = around(points)
     return 0.5 * np.cross(loop, np.roll(loop, -1, axis=0)).sum(axis=0)
 
 

@@ -202,3 +202,13 @@ def test_a_gap_between_sides_is_marked(installed):
     scene.activate(*sides)
     assert "apart at (1, 0, 0)" in refused("1 vertex selected on side 0")
     assert [v.select for v in sides[0].data.vertices] == [False, True]
+
+
+def test_the_place_where_sides_cross_is_marked(installed):
+    """The ends of the line of the named side that the other one crosses."""
+    points = [(k / 4, 1.2 if k == 2 else 0.0, 0) for k in range(5)]
+    south = scene.add_mesh("floor", points, [(k, k + 1) for k in range(4)], select=False)
+    ends = [((1, 0, 0), (1, 1, 0)), ((0, 1, 0), (1, 1, 0)), ((0, 0, 0), (0, 1, 0))]
+    others = [scene.add_mesh(f"side {k}", pair, [(0, 1)], select=False) for k, pair in enumerate(ends)]
+    scene.activate(south, *others)
+    assert "crosses" in refused("2 vertices selected on (floor|side 1)", cells_i=8, cells_j=4)

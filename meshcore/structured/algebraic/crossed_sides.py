@@ -9,9 +9,11 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ...errors import InvalidGeometry
+from ...geometry.curves import Curve
 from ...geometry.plane import fitted_plane
-from ...mesh import StructuredGrid
+from ...mesh import Mesh, StructuredGrid
 from ...quality.embedding import overlaps
+from ..folds import around
 
 _ORDER = ("jmin", "imax", "jmax", "imin")
 _SIDES = dict(zip(_ORDER, ("south", "east", "north", "west"), strict=True))
@@ -19,8 +21,10 @@ _TOUCHING = 1e-9  # of the size: what comes nearer touches, as both sides of a c
 _SAME_WAY = 1e-6  # radians
 
 
-def refuse_crossed_sides(grid: StructuredGrid, names: Mapping[str, str] = _SIDES) -> None:
-    """Raise `InvalidGeometry`, with the place, if the boundary of a planar grid crosses itself.
+def refuse_crossed_sides(
+    grid: StructuredGrid, names: Mapping[str, str] = _SIDES, given: Mapping[str, Curve | None] | None = None
+) -> None:
+    """Raise `InvalidGeometry`, with the place and the points there, if the boundary of a planar grid crosses itself.
 
     Parameters
     ----------
@@ -28,6 +32,9 @@ def refuse_crossed_sides(grid: StructuredGrid, names: Mapping[str, str] = _SIDES
         A surface; one that is not planar passes.
     names : mapping of str to str
         What the user calls its faces.
+    given : mapping of str to Curve, optional
+        By these names, the curves that the user gave, or one as south. Points are told by their numbers in these, or
+        else in the grid.
 
     Examples
     --------
@@ -43,7 +50,7 @@ def refuse_crossed_sides(grid: StructuredGrid, names: Mapping[str, str] = _SIDES
     except InvalidGeometry:
         return
     ni, nj = points.shape[:2]
-    loop = np.concatenate([points[:-1, 0], points[-1, :-1], points[:0:-1, -1], points[0, :0:-1]])
+    loop = around(points)
     side = np.repeat(np.arange(4), [ni - 1, nj - 1, ni - 1, nj - 1])
     cuts = [k for k, face in enumerate(_ORDER) if grid.periodic["ij".index(face[0])]]
     edges = np.flatnonzero(~np.isin(side, cuts))
@@ -56,7 +63,24 @@ def refuse_crossed_sides(grid: StructuredGrid, names: Mapping[str, str] = _SIDES
     other = b if a != b else "itself"
     cure = "move them apart" if how == "touches" else "move the sides apart, or turn one round"
     cure = cure if a != b else "take the loop out of it"
-    raise InvalidGeometry(f"{how} {other} near ({x:.6g}, {y:.6g}, {z:.6g}); {cure}", parameter=a)
+    if given is None:
+        number = np.arange(ni * nj).reshape(ni, nj, order="F")
+        at = around(number)[[first, (first + 1) % len(loop), second, (second + 1) % len(loop)]]
+    else:
+        at = _line_at(given["south"] if given[a] is None else given[a], np.array([x, y, z]))
+    raise InvalidGeometry(f"{how} {other} near ({x:.6g}, {y:.6g}, {z:.6g}); {cure}", parameter=a, points=at)
+
+
+def _line_at(curve: Curve, place: np.ndarray) -> np.ndarray:
+    """Numbers of the ends of a curve's line that comes nearest to a place."""
+    points = curve.points if isinstance(curve, Mesh) else np.asarray(curve, float)
+    points = np.pad(points, ((0, 0), (0, 3 - points.shape[1])))
+    lines = curve.get("line") if isinstance(curve, Mesh) else np.empty((0, 2), int)
+    lines = lines if len(lines) else np.column_stack([np.arange(len(points) - 1), np.arange(1, len(points))])
+    start, along = points[lines[:, 0]], np.diff(points[lines], axis=1)[:, 0]
+    squared = np.maximum((along**2).sum(axis=1), np.finfo(float).tiny)
+    share = np.clip(((place - start) * along).sum(axis=1) / squared, 0, 1)
+    return lines[np.linalg.norm(start + share[:, None] * along - place, axis=1).argmin()]
 
 
 def crossing(loop: np.ndarray, edges: np.ndarray) -> tuple[int, int, np.ndarray, Literal["crosses", "touches"]] | None:

@@ -206,7 +206,7 @@ def transfinite(
     faces = {face: sides.names[place] for face, place in zip(("jmin", "imax", "jmax", "imin"), NAMES, strict=True)}
     done = []
     if folded_cells(points).any():
-        refuse_crossed_sides(StructuredGrid(points), faces)
+        refuse_crossed_sides(StructuredGrid(points), faces, given)
         if cure != "none":
             advance(progress, 0.5, "curing overspill")
             patch, points, done = cured(patch, points, cure)

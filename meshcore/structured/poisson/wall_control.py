@@ -233,7 +233,13 @@ def judged(walls: Sequence[Wall], found: Sequence[Measured]) -> Controlled:
             heights.append(float(np.abs(have.height / wall.first_height - 1)[have.counts].max()))
     angle, height = max(angles), max(heights)
     share = float(np.concatenate([have.counts for have in found]).mean())
-    return Controlled((), angle, height, angle < ANGLE_WITHIN and height < HEIGHT_WITHIN, judged=share)
+    converged = angle < ANGLE_WITHIN and height < HEIGHT_WITHIN
+    return Controlled((), angle, height, converged, judged=share, asked=what_is_asked(walls))
+
+
+def what_is_asked(walls: Sequence[Wall]) -> tuple[bool, bool]:
+    """Whether some wall asks for an angle, and whether some asks for a first height."""
+    return any(wall.angle is not None for wall in walls), any(wall.first_height is not None for wall in walls)
 
 
 def height_step(height: np.ndarray, wanted: float | np.ndarray, first: bool) -> np.ndarray:
@@ -269,6 +275,8 @@ class Controlled:
         Share of the points that count where both errors are.
     judged : float
         Share of the points that count.
+    asked : (bool, bool)
+        Whether angles, and whether first heights are asked for.
     """
 
     history: tuple[float, ...]
@@ -277,15 +285,15 @@ class Controlled:
     converged: bool
     good: float | None = None
     judged: float = 1.0
+    asked: tuple[bool, bool] = (True, True)
 
     @property
     def quality(self) -> dict[str, float]:
         """What reports say."""
-        quality = {
-            "error of wall angles (degree)": float(self.angle),
-            "error of first heights (%)": 100 * float(self.height),
-            "points at walls that are judged (%)": 100 * self.judged,
-        }
+        angles, heights = self.asked
+        quality = {"error of wall angles (degree)": float(self.angle)} if angles else {}
+        quality |= {"error of first heights (%)": 100 * float(self.height)} if heights else {}
+        quality |= {"points at walls that are judged (%)": 100 * self.judged}
         return quality if self.good is None else {**quality, "points at walls as asked (%)": 100 * self.good}
 
     @property
@@ -294,9 +302,11 @@ class Controlled:
         if self.converged:
             return []
         after = f" after {len(self.history) - 2} steps" if len(self.history) > 2 else ""
+        angles, heights = self.asked
+        off = [f"angles are off by up to {self.angle:.3g} degrees"] if angles else []
+        off += [f"heights {'' if angles else 'are off '}by up to {self.height:.1%}"] if heights else []
         return [
-            f"walls not controlled{after}: angles are off by up to {self.angle:.3g} "
-            f"degrees, heights by up to {self.height:.1%}"
+            f"walls not controlled{after}: {', '.join(off)}"
             + ("" if self.good is None else f", {self.good:.2%} of the points that are judged are as asked")
             + "; space the sides that end at walls by the first height, take more cells, or ask for less"
         ]

@@ -30,6 +30,7 @@ from .wall_control import (
     height_step,
     lean_step,
     limited,
+    what_is_asked,
 )
 from .winslow_3d import FIRST_CELLS, set_growth
 
@@ -199,7 +200,8 @@ def _judged(
     angle, height = (float(worst) for worst in wrong.max(axis=1, initial=0.0))
     good = (wrong[0] < angle_within) & (wrong[1] < height_within)
     share = float(np.concatenate([have.counts.ravel() for have in found]).mean())
-    return Controlled((), angle, height, bool(good.all()), float(good.mean()) if len(good) else 1.0, share)
+    asked = what_is_asked([control.wall for control in controls])
+    return Controlled((), angle, height, bool(good.all()), float(good.mean()) if len(good) else 1.0, share, asked)
 
 
 def _opposite(face: str) -> str:

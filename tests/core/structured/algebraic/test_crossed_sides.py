@@ -1,5 +1,7 @@
 """Sides that cross are named at once, with the place; those that touch, as at cuts, are not."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -63,6 +65,10 @@ def test_sides_that_cross_are_named_with_the_place(operation, sides, parameter, 
     with pytest.raises(InvalidGeometry, match=text) as caught:
         operation(*sides)
     assert caught.value.parameter == parameter
+    ends = sides[0][list(caught.value.points), :2]
+    place = np.array(re.findall(r"near \((\S+), (\S+), ", str(caught.value))[0], float)
+    assert len(ends) == 2 and np.abs(np.diff(ends, axis=0)).max() < 0.2
+    assert np.linalg.norm(ends - place, axis=1).sum() == pytest.approx(np.linalg.norm(ends[1] - ends[0]), rel=1e-3)
     with pytest.raises(InvalidGeometry, match=text.split(r" \(")[0]):
         operation(*(side @ TURN.T for side in sides))
 
@@ -81,8 +87,23 @@ def test_a_given_grid_whose_boundary_crosses_itself_is_not_smoothed():
         grid = mc.transfinite(*patch(hill(0.9, 16), 16)).mesh
     crossed = grid.points.copy()
     crossed[:, 0, 0, 1] *= 1.5
-    with pytest.raises(InvalidGeometry, match="south: crosses north"):
+    with pytest.raises(InvalidGeometry, match="south: crosses north") as caught:
         mc.elliptically_smoothed(mc.StructuredGrid(crossed))
+    ends = crossed.reshape(17, 17, 3).swapaxes(0, 1).reshape(-1, 3)[list(caught.value.points)]
+    assert ends[:2, 1].min() < 1 < ends[:2, 1].max() and (ends[2:, 1] == 1).all()
+
+
+def test_points_of_one_boundary_are_those_of_the_mesh():
+    """Whose points may stand in any order."""
+    south, east, north, west = patch(hill(1.5, 32), 32)
+    loop = np.concatenate([south[:-1], east[:-1], north[:0:-1], west[:0:-1]])
+    order = np.random.default_rng(0).permutation(len(loop))
+    number = np.argsort(order)
+    mesh = mc.Mesh(loop[order], {"line": np.column_stack([number, np.roll(number, -1)])})
+    corners = tuple(int(number[k]) for k in (0, 32, 64, 96))
+    with pytest.raises(InvalidGeometry, match="crosses") as caught:
+        mc.transfinite(mesh, corners=corners)
+    assert np.abs(mesh.points[list(caught.value.points), 1] - 1).max() < 0.15
 
 
 def test_both_sides_of_a_cut_may_run_along_each_other():

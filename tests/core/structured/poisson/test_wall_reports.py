@@ -6,7 +6,7 @@ import pytest
 import meshcore as mc
 from meshcore import gallery
 from meshcore.errors import InvalidInput
-from meshcore.structured.poisson.wall_control import Wall, measured
+from meshcore.structured.poisson.wall_control import Controlled, Wall, measured
 
 
 def channel(ni, nj, height):
@@ -32,6 +32,22 @@ def test_how_many_points_are_judged_is_told():
     _, few = mc.elliptic(*channel(9, 9, 1.0), walls="south", first_height=0.1)
     assert report.quality["points at walls that are judged (%)"] == pytest.approx(100 * 59 / 65)
     assert few.quality["points at walls that are judged (%)"] < 60
+
+
+def test_what_nobody_asked_for_is_not_reported():
+    """Angles alone say nothing of heights, in a plane, on a surface, or in space."""
+    box = np.stack(np.meshgrid(*[np.linspace(0, 1, 9)] * 3, indexing="ij"), axis=-1)
+    curved = mc.transfinite(*gallery.sides_on_torus(12, 8)).mesh
+    for report in (
+        mc.elliptic(*channel(33, 17, 1.0), walls="south").report,
+        mc.elliptically_smoothed(curved, walls="south").report,
+        mc.elliptic_volume(mc.StructuredGrid(box), walls="kmin").report,
+    ):
+        names = {name for name in report.quality if name.startswith("error of")}
+        assert names == {"error of wall angles (degree)"}
+    went = Controlled((1.0,), 3.0, 0.5, False, asked=(True, False))
+    assert "heights" not in went.warnings[0] and "3 degrees" in went.warnings[0]
+    assert "heights are off by up to 50.0%" in Controlled((1.0,), 3.0, 0.5, False, asked=(False, True)).warnings[0]
 
 
 def test_walls_with_few_nodes_are_judged_between_their_ends():
