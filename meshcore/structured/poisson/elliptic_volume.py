@@ -49,6 +49,7 @@ from .elliptic_parameters import (
     WallAngleParam,
     asked_faces,
 )
+from .elliptic_problem import Found
 from .periodic_faces import Pair, asked_axes, pairs_of
 from .wall_control import Wall
 from .wall_faces import mismatch, respaced
@@ -230,22 +231,13 @@ def elliptic_volume(
     asked.check(start.points)
     advance(progress, 0.01, "smoothing")
     part = _FACES[faces]
-    points, wanting = start.points, []
-    if faces == "smoothed":
-        points, wanting = _with_smooth_faces(points, control, pairs, max_cycles, part_of(progress, 0.01, part))
-        warnings += wanting
-    if faces == "respaced":
-        points = _filled(respaced(points, asked.walls))
+    points, wanting = _with_faces(start.points, faces, control, asked, part_of(progress, 0.01, part))
     filled = _filled(points)
     growth = _growth(filled, control, control_functions)
     cuts = [end(pair.axis, side) for pair in pairs for side in (0, 1)]
     refuse_corners(start.with_points(filled), free=[*cuts, *(wall.side for wall in asked.walls if wall.slides)])
     found = sound(points, filled, growth, asked, part_of(progress, part, 1.0))
-    if not found.converged and (factor := mismatch(found.points, asked.walls)) > _MISMATCH:
-        warnings.append(
-            f"on the faces around walls, first cells are up to {factor:.2g} times as high or low as asked: inside they "
-            'cannot differ so much from one to the next; choose faces "respaced", or space the edges so'
-        )
+    warnings += wanting + _mismatched(found, asked) + found.warnings
     result = start.with_points(found.points)
     _refuse_folds(result)
     validate(result)
@@ -255,10 +247,29 @@ def elliptic_volume(
         iterations=len(found.history) - 1,
         residual=found.history[-1],
         converged=found.converged and not wanting,
-        warnings=warnings + found.warnings,
+        warnings=warnings,
         history=list(found.history),
     )
     return Result(result, report)
+
+
+def _with_faces(
+    points: np.ndarray, faces: str, control: Control, asked: AskedOfBlock, progress: Progress
+) -> tuple[np.ndarray, list[str]]:
+    """The block with its faces as they are asked for, and which of them have not converged."""
+    if faces == "smoothed":
+        return _with_smooth_faces(points, control, asked.pairs, asked.most_cycles, progress)
+    return (_filled(respaced(points, asked.walls)) if faces == "respaced" else points), []
+
+
+def _mismatched(found: Found, asked: AskedOfBlock) -> list[str]:
+    """What users are told of heights on faces that differ too much from those of the walls beside."""
+    if found.converged or (factor := mismatch(found.points, asked.walls)) <= _MISMATCH:
+        return []
+    return [
+        f"on the faces around walls, first cells are up to {factor:.2g} times as high or low as asked: inside they "
+        'cannot differ so much from one to the next; choose faces "respaced", or space the edges so'
+    ]
 
 
 def _as_block(block: Mesh | StructuredGrid) -> tuple[StructuredGrid, list[str]]:

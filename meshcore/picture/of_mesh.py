@@ -1,33 +1,26 @@
-"""Pictures of meshes and of their quality, drawn off-screen by pyvista, with or without a display."""
+"""Pictures of meshes and grids: edges and faces, coloured by values, and what is marked or drawn above."""
 
 from __future__ import annotations
 
-import contextlib
-import ctypes
 import os
-import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from .errors import InvalidInput, MeshcoreError, MissingLibrary
-from .io import to_pyvista
-from .mesh import Mesh, MultiBlock, PolyhedralMesh, StructuredGrid
-from .quality import QualityReport, measure, measures
+from ..errors import InvalidInput
+from ..io import to_pyvista
+from ..mesh import Mesh, MultiBlock, PolyhedralMesh, StructuredGrid
+from ..quality import measure, measures
+from .plotter import EDGE, SUPERSAMPLING, plotter_of, save
 
-if TYPE_CHECKING:
-    import pyvista
-
-FACE, EDGE, MARK = "#dde7f0", "#1d3a57", "#e4572e"
+MARK = "#e4572e"
 BLOCKS = ("#dde7f0", "#f4e3cf", "#dcefd9", "#efdcea", "#f5f0c8", "#d5eeee")
 OVER = ("#2f6fb3", "#1c1c1c", "#c8371b", "#3f8f3a")
 AWAY = (0.4, -1.0, 0.3)
 """Of volumes the half on this side of the middle is taken away."""
-SUPERSAMPLING = 2
-"""Pixels are drawn so many times as fine and averaged, so that lines may be thinner than a pixel."""
 SCALE = 0.12
 """Share of a picture's width that the scale of its colours takes."""
 
@@ -101,7 +94,7 @@ def picture(
     box = _checked_zoom(zoom)
     coloured = None if scalars is None else _values(parts, blocks, scalars)
     shape, weights = ((1, 1), None) if coloured is None else ((1, 2), [1 - SCALE, SCALE])
-    with _plotter(window, shape, weights) as plotter:
+    with plotter_of(window, shape, weights) as plotter:
         width = _line_width(parts, window, box)
         for number, part in enumerate(parts):
             values = None if coloured is None else coloured[number]
@@ -117,121 +110,7 @@ def picture(
                 _add_over(plotter, Mesh(part.points, {"line": part.get("line")}), parts, MARK)
         _look(plotter, parts, box, window[0] / window[1] * (1.0 if coloured is None else 1 - SCALE))
         _label(plotter, title)
-        return _save(plotter, path)
-
-
-def histogram(report: QualityReport, path: str | os.PathLike, *, window: tuple[int, int] = (1200, 800)) -> Path:
-    """Draw the histograms of a quality report into a PNG file, one panel a measure.
-
-    Parameters
-    ----------
-    report : QualityReport
-        From `meshcore.quality.report`.
-    path : path
-        File to write; folders are made.
-    window : tuple of two int
-        Width and height in pixels.
-
-    Returns
-    -------
-    Path
-        The file.
-
-    Raises
-    ------
-    InvalidInput
-        If the report is empty.
-    MissingLibrary
-        Without pyvista.
-    MeshcoreError
-        Where this machine cannot draw, with what to install.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from meshcore import gallery, quality
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     histogram(quality.report(gallery.triangulated_square()), f"{folder}/quality.png").name
-    'quality.png'
-    """
-    rows = [row for row in report.rows.values() if row.histogram[0].sum()]
-    if not rows:
-        raise InvalidInput("has no measure to draw", parameter="report")
-    columns = min(len(rows), 3)
-    with _plotter(window, shape=(-(-len(rows) // columns), columns)) as plotter:
-        for number, row in enumerate(rows):
-            plotter.subplot(*divmod(number, columns))
-            plotter.add_chart(_chart(row))
-        return _save(plotter, path)
-
-
-def _chart(row: Any) -> pyvista.Chart2D:
-    """Bars of one measure's histogram."""
-    import pyvista
-
-    counts, bounds = row.histogram
-    x = 0.5 * (np.asarray(bounds[:-1]) + np.asarray(bounds[1:]))
-    chart = pyvista.Chart2D(x_label=f"{row.name} ({row.unit})" if row.unit else row.name, y_label="cells")
-    chart.bar(x, np.asarray(counts, float), color=EDGE)
-    for axis in (chart.x_axis, chart.y_axis):
-        axis.label_size, axis.tick_label_size = 16 * SUPERSAMPLING, 13 * SUPERSAMPLING
-        axis.tick_count = 5
-    return chart
-
-
-@contextlib.contextmanager
-def _plotter(window: tuple[int, int], shape: tuple[int, int] = (1, 1), weights: list[float] | None = None):
-    """An off-screen pyvista plotter of ``window`` pixels, closed at the end."""
-    width, height = _checked_window(window)
-    try:
-        import pyvista
-    except ImportError:
-        raise MissingLibrary("pyvista", "a picture") from None
-    _refuse_without_graphics(pyvista.vtk_version_info)
-    # VTK warns of a missing display before it turns to EGL or OSMesa, which do without.
-    with pyvista.vtk_verbosity("off"):
-        plotter = pyvista.Plotter(
-            off_screen=True,
-            window_size=(width * SUPERSAMPLING, height * SUPERSAMPLING),
-            shape=shape,
-            col_weights=weights,
-            border=False,
-            lighting="none",
-        )
-        try:
-            plotter.set_background("white")
-            yield plotter
-        finally:
-            plotter.close()
-
-
-def _refuse_without_graphics(version: tuple[int, ...]) -> None:
-    """Raise where VTK would bring the process down: on Linux without a display and without EGL or OSMesa."""
-    if not sys.platform.startswith("linux") or os.environ.get("DISPLAY"):
-        return
-    if tuple(version) < (9, 4):
-        raise MeshcoreError(
-            f"there is no display, and VTK {'.'.join(map(str, version))} cannot draw without one; "
-            "install vtk 9.4 or newer, or run under xvfb-run"
-        )
-    for library in ("libEGL.so.1", "libOSMesa.so.8", "libOSMesa.so.6"):
-        with contextlib.suppress(OSError):
-            ctypes.CDLL(library)
-            return
-    raise MeshcoreError(
-        "there is no display, and neither EGL nor OSMesa to draw without one; "
-        "install libegl1 (or libosmesa6), or run under xvfb-run"
-    )
-
-
-def _checked_window(window: Any) -> tuple[int, int]:
-    try:
-        width, height = (int(v) for v in window)
-    except (TypeError, ValueError):
-        width = height = 0
-    if not (16 <= width <= 4096 and 16 <= height <= 4096):
-        raise InvalidInput(f"needs a width and a height of 16 to 4096 pixels, got {window!r}", parameter="window")
-    return width, height
+        return save(plotter, path)
 
 
 def _checked_zoom(zoom: Any) -> np.ndarray | None:
@@ -440,18 +319,3 @@ def _label(plotter: Any, title: str) -> None:
         plotter.add_text(
             title, position="upper_left", font_size=8 * SUPERSAMPLING, color="black", shadow=False, name="title"
         )
-
-
-def _save(plotter: Any, path: str | os.PathLike) -> Path:
-    """Write what the plotter shows, averaged down to the window's pixels."""
-    from PIL import Image  # pyvista depends on it
-
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    pixels = np.asarray(plotter.screenshot(return_img=True))[..., :3]
-    height, width = (n // SUPERSAMPLING for n in pixels.shape[:2])
-    fine = pixels[: height * SUPERSAMPLING, : width * SUPERSAMPLING].reshape(
-        height, SUPERSAMPLING, width, SUPERSAMPLING, 3
-    )
-    Image.fromarray(fine.mean(axis=(1, 3)).round().astype(np.uint8)).save(path)
-    return path
