@@ -22,8 +22,15 @@ _OVERLAP = 24
 class Surface(ABC):
     """A surface S(u, v) over the rectangle ``low`` <= (u, v) <= ``high``."""
 
-    low: np.ndarray
-    high: np.ndarray
+    @property
+    @abstractmethod
+    def low(self) -> np.ndarray:
+        """(2,) least parameters."""
+
+    @property
+    @abstractmethod
+    def high(self) -> np.ndarray:
+        """(2,) greatest parameters."""
 
     @abstractmethod
     def points(self, u: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -67,12 +74,12 @@ class ParametricSurface(Surface):
                 raise InvalidInput(f"needs a lesser and a greater number, got {(low, high)}", parameter=name)
 
     @property
-    def low(self) -> np.ndarray:  # type: ignore[override]
+    def low(self) -> np.ndarray:
         """(2,) least parameters."""
         return np.array([self.u[0], self.v[0]], float)
 
     @property
-    def high(self) -> np.ndarray:  # type: ignore[override]
+    def high(self) -> np.ndarray:
         """(2,) greatest parameters."""
         return np.array([self.u[1], self.v[1]], float)
 
@@ -140,12 +147,12 @@ class SplineSurface(Surface):
                 )
 
     @property
-    def low(self) -> np.ndarray:  # type: ignore[override]
+    def low(self) -> np.ndarray:
         """(2,) least parameters."""
         return np.array([-np.inf if self.cyclic else 0.0, 0.0])
 
     @property
-    def high(self) -> np.ndarray:  # type: ignore[override]
+    def high(self) -> np.ndarray:
         """(2,) greatest parameters."""
         return np.array([np.inf if self.cyclic else 1.0, 1.0])
 

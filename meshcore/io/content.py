@@ -92,10 +92,13 @@ def floats(words: list[str], line: int) -> list[float]:
             return list(map(float, words))
     except ValueError:
         pass  # Fortran's exponents, or no numbers at all
-    values = [number(word) for word in words]
-    if None in values:
-        raise InvalidInput(f"line {line}: {words[values.index(None)]!r} is not a number")
-    return values  # type: ignore[return-value]
+    values = []
+    for word in words:
+        value = number(word)
+        if value is None:
+            raise InvalidInput(f"line {line}: {word!r} is not a number")
+        values.append(value)
+    return values
 
 
 def whole(word: str, line: int, what: str) -> int:

@@ -79,7 +79,8 @@ class StructuredGrid:
     @property
     def shape(self) -> tuple[int, int, int]:
         """Points along i, j, k."""
-        return self.points.shape[:3]  # type: ignore[return-value]
+        ni, nj, nk = self.points.shape[:3]
+        return ni, nj, nk
 
     @property
     def cell_shape(self) -> tuple[int, int, int]:

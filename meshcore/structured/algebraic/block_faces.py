@@ -24,7 +24,8 @@ def end(axis: int, side: int) -> str:
 
 def across(place: str) -> tuple[int, int]:
     """The two axes along a face, in the order of its first two indices."""
-    return tuple(a for a in range(3) if AXES[a] != place[0])  # type: ignore[return-value]
+    first, second = (a for a in range(3) if AXES[a] != place[0])
+    return first, second
 
 
 @dataclass(frozen=True, eq=False)

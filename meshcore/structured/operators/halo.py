@@ -108,8 +108,9 @@ class Halo:
     @property
     def inside_cells(self) -> tuple[slice, slice, slice]:
         """The block's own cells."""
-        sizes = self.grid.shape
-        return tuple(s if n == 1 else slice(s.start, s.stop - 1) for s, n in zip(self.inside, sizes, strict=True))  # type: ignore[return-value]
+        sides = zip(self.inside, self.grid.shape, strict=True)
+        i, j, k = (side if n == 1 else slice(side.start, side.stop - 1) for side, n in sides)
+        return i, j, k
 
 
 def with_halo(grid: StructuredGrid | MultiBlock, width: int = 1) -> Halo | tuple[Halo, ...]:

@@ -258,7 +258,8 @@ class CyclicLine(Line):
 
 
 def _with_row(table: Table) -> Table:
-    return tuple(np.concatenate([values, np.zeros((1, 2), values.dtype)]) for values in table)  # type: ignore
+    index, weight = (np.concatenate([values, np.zeros((1, 2), values.dtype)]) for values in table)
+    return index, weight
 
 
 class Ghosts:
@@ -277,7 +278,8 @@ class Ghosts:
     @property
     def whole(self) -> tuple[bool, bool, bool]:
         """Along which directions the block runs on everywhere."""
-        return tuple(any(p.axis == axis and p.kept is None for p in self.pairs) for axis in range(3))  # type: ignore
+        i, j, k = (any(p.axis == axis and p.kept is None for p in self.pairs) for axis in range(3))
+        return i, j, k
 
     def nodes(self, shape: Sequence[int]) -> tuple[int, ...]:
         """How many nodes there are along each direction without ghosts."""
