@@ -13,6 +13,8 @@ from .front_graph import FrontGraph, at, front_graph, reversed_faces, turned_ali
 
 FLAT = 1e-9
 """Sine of a face's corner below which the corner counts as flat."""
+SEAM = 1e-6
+"""Of the surface's diagonal: points of open edges that are nearer belong together."""
 _NAMES = {"kmin": "wall", "kmax": "outer"}
 
 
@@ -133,6 +135,9 @@ def read_surface(
     if glued and isinstance(surface, Mesh):
         warnings.append(f"{glued:,} points that share their places with others were made one with these")
     faces = without_repeats(np.where(faces < 0, -1, number[faces]))
+    if isinstance(surface, Mesh):
+        points, faces, seam = _sewn(points, faces, SEAM * diagonal, warnings)
+        number = seam[number]
     collapsed = faces[:, 2] < 0
     if collapsed.any():
         if collapsed.all():
@@ -153,6 +158,26 @@ def read_surface(
     _refuse_flat(graph)
     given = _without_collapse(surface, faces, warnings)
     return LayerSurface(graph, surface, given, number, inward ^ other_side, other_side, warnings)
+
+
+def _sewn(
+    points: np.ndarray, faces: np.ndarray, reach: float, warnings: list[str]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points and faces whose open edges are glued where they lie within reach, and the new number of each point.
+
+    Rounding moves the points of faces that were written one by one, as in STL files of scans and CAD programs.
+    """
+    after, single = _open_sides(faces, len(points))
+    rim = np.unique(np.concatenate([faces[single], after[single]]))
+    merged, of_rim = welded(points[rim], reach)
+    if len(merged) == len(rim):
+        return points, faces, np.arange(len(points))
+    warnings.append(f"{len(rim) - len(merged):,} points of open edges were within {reach:.2g} of others and made one")
+    first = np.full(len(merged), len(points))
+    np.minimum.at(first, of_rim, rim)
+    number = np.arange(len(points))
+    number[rim] = first[of_rim]
+    return points, without_repeats(np.where(faces < 0, -1, number[faces])), number
 
 
 def _blocks(surface: StructuredGrid | MultiBlock) -> tuple[StructuredGrid, ...]:
@@ -203,14 +228,20 @@ def _outwards(points: np.ndarray, faces: np.ndarray, part: np.ndarray, warnings:
 
 def _closed_parts(faces: np.ndarray, part: np.ndarray, n: int) -> np.ndarray:
     """(parts,) bool: whether each edge of a part has two faces."""
+    return np.bincount(part, weights=_open_sides(faces, n)[1].any(axis=1)) == 0
+
+
+def _open_sides(faces: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """(m, 4) int: the node after each in its face; (m, 4) bool: whether the edge between them has one face only."""
     after = np.roll(faces, -1, axis=1)
     triangle = faces[:, 3] < 0
     after[triangle, 2] = faces[triangle, 0]
-    where = faces >= 0
+    where = (faces >= 0) & (after >= 0)
     key = np.minimum(faces, after) * n + np.maximum(faces, after)
     _, inverse, count = np.unique(key[where], return_inverse=True, return_counts=True)
-    open_edges = np.bincount(np.repeat(part, where.sum(axis=1)), weights=(count == 1)[inverse.ravel()])
-    return open_edges == 0
+    single = np.zeros(faces.shape, bool)
+    single[where] = (count == 1)[inverse.ravel()]
+    return after, single
 
 
 def _refuse_flat(graph: FrontGraph) -> None:
