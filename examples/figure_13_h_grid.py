@@ -1,7 +1,7 @@
 """H-type grids (survey, figure 13): with a slab inside, with a slab reduced to a slit, and round an airfoil.
 
 Two blocks, above and below, are joined by cuts ahead of the section and behind it. Glued, each is one grid with one
-hole, or, for the slit, with a crack whose two sides have points of their own.
+hole, or, for the slit (its points are marked), with a crack whose two sides have points of their own.
 """
 
 import sys
@@ -11,6 +11,7 @@ import numpy as np
 
 import meshcore as mc
 from meshcore import gallery
+from meshcore.geometry.curves import lines_through
 from meshcore.picture import picture
 
 SLAB = np.array([[0, 0], [1, 0], [1, 0.2], [0, 0.2], [0, 0.0]])
@@ -26,7 +27,9 @@ def main(folder="out"):
     ):
         blocks, _ = mc.h_grid(section, radius=1.5, first_height=0.02, wake_growth=1.3, **keywords)
         glued = blocks.to_mesh()
-        picture(glued, path / f"figure_13_{name}.png", title="H-grid")
+        wall = section if isinstance(section, mc.Mesh) else lines_through(np.pad(section, ((0, 0), (0, 1))))
+        seen = [wall, mc.Mesh(wall.points, {"vertex": np.arange(len(SLIT))[:, None]})] if section is SLIT else [wall]
+        picture(blocks, path / f"figure_13_{name}.png", title="H-grid", over=seen)
         # Euler's number of a disk with a hole, which a crack is, too: points - edges + cells = 0.
         assert glued.n_points - len(glued.edges) + glued.n_cells == 0
         cells += blocks.n_cells
