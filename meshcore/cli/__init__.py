@@ -98,7 +98,7 @@ def parser() -> argparse.ArgumentParser:
     >>> arguments.operation.label
     'Transfinite Interpolation'
     """
-    root = argparse.ArgumentParser(
+    root = terminal.Parser(
         prog="meshcore",
         description="Structured, unstructured and adaptive mesh generation.",
         epilog="meshcore COMMAND --help tells all of a command; meshcore list tells the operations and file formats.",

@@ -9,6 +9,7 @@ from typing import Any
 from ..operation import Operation, Param
 
 LENGTHS = "A LENGTH is a number in the file's own unit, or a share of the input's bounding box diagonal such as 2%."
+_OUTPUTS = {"grid": "out.vts", "blocks": "out.vtm", "grid or blocks": "out.vtm"}
 _METAVARS = {"int": "INT", "float": "NUMBER", "str": "TEXT", "length": "LENGTH"}
 _WANTED = {"int": "a whole number", "float": "a number", "length": "a number or a percentage such as 2%"}
 
@@ -50,7 +51,7 @@ def example(operation: Operation) -> str:
     """
     words = ["meshcore", operation.id.replace("_", "-")]
     words += [port.name + ".vtp" for port in operation.inputs.values() if not port.optional]
-    words += ["-o", "out.vts" if operation.output == "grid" else "out.vtu"]
+    words += ["-o", _OUTPUTS.get(operation.output, "out.vtu")]
     for param in operation.params.values():
         if param.kind in ("int", "float") and param.size == 1 and param.default is not None:
             words += [_flag(param), _shown(param.default)]
@@ -67,6 +68,8 @@ def help_text(param: Param) -> str:
     --------
     >>> help_text(Param("Smallest angle", min=0, max=34, unit="degree", default=30.0))
     'Smallest angle (degree, 0 to 34, default 30)'
+    >>> help_text(Param("Layers; by default as many as growth needs", min=1, default=None))
+    'Layers; by default as many as growth needs (at least 1)'
     """
     facts = [param.unit] if param.unit else []
     if param.min is not None and param.max is not None:
@@ -75,7 +78,8 @@ def help_text(param: Param) -> str:
         facts.append(f"at least {param.min:g}")
     elif param.max is not None:
         facts.append(f"at most {param.max:g}")
-    if param.default != "":
+    told = param.default is None and "by default" in param.description
+    if param.default != "" and not told:
         facts.append(f"default {_shown(param.default)}")
     return f"{param.description} ({', '.join(facts)})" if facts else param.description
 

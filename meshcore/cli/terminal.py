@@ -2,14 +2,46 @@
 
 from __future__ import annotations
 
+import argparse
+import difflib
 import sys
 import time
 from collections.abc import Iterable, Sequence
-from typing import Any, TextIO
+from typing import Any, NoReturn, TextIO
 
 from ..errors import MeshcoreError
 
 SHOWN_PLACES = 3
+
+
+class Parser(argparse.ArgumentParser):
+    """Tells wrong usage in one line, with the flag that may have been meant, instead of after a page of flags.
+
+    Examples
+    --------
+    >>> import contextlib, io
+    >>> parser = Parser(prog="meshcore")
+    >>> _ = parser.add_argument("--first-height")
+    >>> with contextlib.redirect_stderr(io.StringIO()) as said, contextlib.suppress(SystemExit):
+    ...     parser.parse_args(["--firstheight", "1"])
+    >>> said.getvalue().split(" (")[0]
+    'meshcore: error: unrecognized arguments: --firstheight; did you mean --first-height?'
+    """
+
+    def error(self, message: str) -> NoReturn:
+        """Leave with exit code 2 and one line."""
+        self.exit(2, f"{self.prog}: error: {message} ({self.prog} --help tells all)\n")
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """As argparse does; but flags that this parser does not know are no business of the one above."""
+        found, left = super().parse_known_args(args, namespace)
+        for word in left:
+            flag = word.split("=")[0]
+            if flag.startswith("--"):
+                near = difflib.get_close_matches(flag, self._option_string_actions, 1)
+                meant = f"; did you mean {near[0]}?" if near else ""
+                self.error(f"unrecognized arguments: {flag}{meant}")
+        return found, left
 
 
 class PlainBar:

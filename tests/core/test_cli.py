@@ -404,7 +404,13 @@ def test_long_lists_of_places_are_cut():
 @pytest.mark.parametrize("words", [[], ["nonsense"], ["transfinite"], ["transfinite", "a.vtp"], ["quality"]])
 def test_wrong_usage_is_exit_code_2(words, call):
     code, out, err = call(*words)
-    assert (code, out) == (2, "") and err.startswith("usage: meshcore")
+    assert (code, out) == (2, "") and err.startswith("meshcore") and len(err.splitlines()) == 1
+    assert "error: " in err and "--help tells all" in err
+
+
+def test_the_flag_that_may_have_been_meant_is_named(call):
+    code, _, err = call("c-grid", "section.dat", "-o", "out.vtm", "--firstheight", "1e-5")
+    assert code == 2 and "unrecognized arguments: --firstheight; did you mean --first-height?" in err
 
 
 def test_version(call):
