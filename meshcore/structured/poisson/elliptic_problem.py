@@ -60,6 +60,8 @@ class Asked:
         Cycles after which to give up.
     threads : int or None
         How many may work.
+    give_up : float
+        Share of folded cells from which on neither less control nor unfolding is tried.
     """
 
     equation: Equation = "Poisson"
@@ -71,6 +73,7 @@ class Asked:
     residual: float | None = None
     most_cycles: int = MOST_CYCLES
     threads: int | None = None
+    give_up: float = 1.0
 
     def growth(self, points: np.ndarray, cyclic: bool) -> np.ndarray | None:
         """Logarithms of growth of all control functions together, or None for the Laplace equations."""
@@ -231,7 +234,10 @@ def _planar(points: np.ndarray, cyclic: bool, asked: Asked, progress: Progress) 
         return without_inside(points, asked)
     for share in SHARES if growth is not None else (1.0,):
         found = _once(points, None if growth is None else share * growth, cyclic, asked, progress)
-        if curable_cells(found.points, sign, cyclic=cyclic).any():
+        folded = curable_cells(found.points, sign, cyclic=cyclic)
+        if folded.mean() > asked.give_up:
+            break  # what is folded is refused
+        if folded.any():
             found.points = unfolded(found.points, sign, cyclic=cyclic)
         if not (found.stalled or curable_cells(found.points, sign, cyclic=cyclic).any()):
             break

@@ -24,7 +24,8 @@ from .lines_out import geometric_lines
 from .section_front import respaced_section
 from .section_input import section_loop
 from .section_march import Lines, lines_by
-from .section_result import scaled_jacobians, smoothed
+from .section_result import scaled_jacobians
+from .section_smoothing import smoothed
 from .unwrapped import free_reach, leaving, normals, shifts_beyond
 
 _CURE = "make the section smoother or thinner, give more points around it, or take c_grid or o_grid"

@@ -6,22 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...errors import GenerationFailed, InvalidGeometry
 from ...mesh import StructuredGrid
 from ...progress import Progress, advance
 from ...quality import summary, validate
 from ...report import Report, Result
 from ..folds import folded_cells, refuse_folds
 from ..layer_report import layers_told, worst_skew
-from ..poisson.elliptic_problem import Asked, solved
-from ..poisson.wall_control import ANGLE_WITHIN, RESIDUAL_WITHIN, Wall
-from .first_heights import WITHIN, with_first_heights
+from .first_heights import with_first_heights
 from .respacing import respaced
+from .section_smoothing import ANGLES, first_heights, smoothed, wall_of
 
 _WORST = "worst scaled jacobian"
 _WORSE = 0.5
 """Share of the worst scaled Jacobian that must be left if layers are respaced."""
-_ANGLES = "error of wall angles (degree)"
 
 
 def finished(
@@ -67,10 +64,10 @@ def finished(
     history: dict = {}
     wanted = np.full(grid.shape[0], told["first height"]) if heights is None else heights
     if past:
-        wanted = _first_heights(grid, past)
+        wanted = first_heights(grid, past)
     if method == "elliptic":
         outside = replace(grid, points=grid.points[:, past:], cuts=() if past else grid.cuts)
-        outside, report, more = smoothed(outside, _wall(outside, kept), cure, progress)
+        outside, report, more = smoothed(outside, wall_of(outside, kept), cure, progress)
         grid = replace(grid, points=np.concatenate([grid.points[:, :past], outside.points], axis=1))
     if method in ("elliptic", "parabolic"):
         grid = _evenly_growing(grid, wanted, past, counts.get("wake", 0))
@@ -78,13 +75,11 @@ def finished(
         lines = with_first_heights(grid.points[:, past:, 0], wanted)
         grid = grid.with_points(np.concatenate([grid.points[:, :past], lines[:, :, None]], axis=1))
     if method == "elliptic":
-        if np.abs(_first_heights(grid, past) / wanted - 1).max() < 2 * WITHIN:
-            report, more = _with_heights_met(report, more)
         beyond = f"beyond the {past} layers that round the blunt edge: " if past else ""
         warnings = warnings + [beyond + text for text in more]
         if report is not None:
-            if (angles := report.quality.get(_ANGLES)) is not None and not past:
-                told = {**told, _ANGLES: angles}  # heights are told below, as they are in the end
+            if (angles := report.quality.get(ANGLES)) is not None and not past:
+                told = {**told, ANGLES: angles}  # heights are told below, as they are in the end
             history = {"iterations": report.iterations, "residual": report.residual, "converged": report.converged}
             history["history"] = report.history
     advance(progress, 0.95, "checking the grid")
@@ -109,74 +104,9 @@ def _evenly_growing(grid: StructuredGrid, heights: np.ndarray, past: int, wake: 
     return even if worst[0] > _WORSE * worst[1] else grid
 
 
-def _with_heights_met(report: Report | None, warnings: list[str]) -> tuple[Report | None, list[str]]:
-    """What is to be told of smoothing that came near to angles, but not to heights, which points on lines now have."""
-    if report is None or report.converged or _ANGLES not in report.quality:
-        return report, warnings
-    if report.quality[_ANGLES] >= ANGLE_WITHIN or report.residual >= RESIDUAL_WITHIN:
-        return report, warnings
-    return replace(report, converged=True), [text for text in warnings if not text.startswith("walls not controlled")]
-
-
 def _of_walls(grid: StructuredGrid, wake: int) -> np.ndarray:
     """(n, nj, 3) float: the lines that leave the wall; ``wake`` points at both ends of i stand before none."""
     return grid.points[wake : len(grid.points) - wake, :, 0]
-
-
-def _first_heights(grid: StructuredGrid, past: int) -> np.ndarray:
-    """(ni,) float: lengths of the first cells of the lines beyond layers that stay."""
-    return np.linalg.norm(grid.points[:, past + 1, 0] - grid.points[:, past, 0], axis=1)
-
-
-def smoothed(
-    grid: StructuredGrid, wall: Wall | None, cure: str, progress: Progress
-) -> tuple[StructuredGrid, Report | None, list[str]]:
-    """A grid by the elliptic equations, its wall held if it can be.
-
-    Parameters
-    ----------
-    grid : StructuredGrid
-        The start.
-    wall : Wall, optional
-        Not held if the start has folded cells, or the result has them.
-    cure : str
-        What to do about folded cells.
-    progress : Progress
-        Called with fraction and message.
-
-    Returns
-    -------
-    StructuredGrid
-        The start if the equations fold it.
-    Report or None
-        None if it is the start.
-    list of str
-        What had to be done.
-    """
-    sound = wall is not None and not folded_cells(grid.points[:, :, 0]).any()
-    for walls in ([wall], []) if sound else ([],):
-        try:
-            found, report = solved(grid, Asked(control="boundary spacing", walls=walls), progress)
-        except (GenerationFailed, InvalidGeometry):
-            continue
-        loose = sound and not walls
-        free = ["angles and heights at the wall could not be held without folding cells; left free"] if loose else []
-        return found, report, [*free, *report.warnings]
-    refuse_folds(grid, cure)  # or if its boundary crosses itself, of which only the section is the user's
-    return grid, None, ["the elliptic equations folded cells; the grid stays as it was"]
-
-
-def _wall(grid: StructuredGrid, kept: np.ndarray | None) -> Wall:
-    """The first heights of a grid, and right angles but where they are kept."""
-    points = grid.points[:, :, 0]
-    away = points[:, 1] - points[:, 0]
-    height = np.linalg.norm(away, axis=1)
-    if kept is None or not kept.any():
-        return Wall("south", first_height=height)
-    along = np.gradient(points[:, 0], axis=0)
-    cosine = (along * away).sum(axis=1) / (np.linalg.norm(along, axis=1) * height)
-    angle = np.degrees(np.arccos(np.clip(cosine, -1, 1)))
-    return Wall("south", first_height=height, angle=90 + kept * (np.clip(angle, 10, 170) - 90))
 
 
 def scaled_jacobians(points: np.ndarray) -> np.ndarray:

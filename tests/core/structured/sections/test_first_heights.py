@@ -43,3 +43,21 @@ def test_elliptic_grids_have_the_first_heights_asked_for_at_sharp_edges_too():
     for family, k in (("NACA 6", 2), ("flapped", 12), ("L, T", 22), ("pocket", 27)):
         trial = tried("O", "elliptic", section_of(family, 100, k))
         assert trial.word == "sound" and trial.heights == 0, trial
+
+
+@pytest.mark.parametrize(("family", "seed", "k"), [("kinked", 100, 26), ("NACA 4", 100, 31), ("plate", 300, 80)])
+def test_where_the_wall_of_an_elliptic_grid_cannot_be_held_layers_of_the_start_stay(family, seed, k):
+    section = section_of(family, seed, k)
+    trial = tried("O", "elliptic", section)
+    assert trial.word == "sound" and trial.heights == 0 and trial.converged, trial
+    assert "layers on it stay as they were" in trial.text
+    grid, flat = (mc.o_grid(section, method=method)[0].points for method in ("elliptic", "transfinite"))
+    layers = int(trial.text.split(" layers on it")[0].split()[-1])
+    assert np.abs(grid[:, : layers + 1] - flat[:, : layers + 1]).max() < 1e-9 * np.ptp(flat)
+    assert np.abs(grid[:, layers + 2 :] - flat[:, layers + 2 :]).max() > 1e-3 * np.ptp(section)
+
+
+def test_a_start_that_is_folded_is_smoothed_first_and_then_has_its_wall_held():
+    trial = tried("O", "parabolic", section_of("vehicle", 300, 55))
+    assert "the elliptic equations took its place" in trial.text
+    assert trial.word == "sound" and trial.heights == 0, trial
