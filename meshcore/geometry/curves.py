@@ -99,7 +99,9 @@ def numbered_polyline(curve: Curve, parameter: str = "curve") -> tuple[np.ndarra
         points = _points_of(curve, parameter)
         number = np.arange(len(points))
     if len(points) < 2 or not np.ptp(points, axis=0).any():
-        raise InvalidGeometry(f"needs at least two different points, got {len(points)}", parameter=parameter)
+        raise InvalidGeometry(
+            f"needs at least two different points, got {len(np.unique(points, axis=0))}", parameter=parameter
+        )
     return points, number
 
 

@@ -161,7 +161,7 @@ def _with_sizes(density: np.ndarray, fine: np.ndarray, cells: int, sizes, growth
     need = float(total(0.0)[-1])
     if need > cells:
         raise InvalidInput(
-            f"{cells} cells are too few for the spacing at the edges; give {need:.0f}", parameter="around"
+            f"{cells} cells are too few for the spacing at the edges; give {np.ceil(need):.6g}", parameter="around"
         )
     low, high = 0.0, float(cells)
     for _ in range(60):

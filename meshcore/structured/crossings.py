@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ..errors import InvalidGeometry
 from ..geometry.plane import Plane
@@ -49,6 +50,7 @@ def refuse_crossings(
     Traceback (most recent call last):
     meshcore.errors.InvalidGeometry: section: crosses itself near (0.5, 0.5, 0), between points 3, 0 and 1, 2; undo ...
     """
+    _refuse_meetings(points, number, plane, hair, parameter)
     start = np.arange(len(points) if closed else len(points) - 1)
     edges = np.column_stack([start, (start + 1) % len(points)])
     found = overlaps(points, edges, hair)
@@ -71,6 +73,21 @@ def refuse_crossings(
             parameter=parameter,
             points=number[np.unique([*edges[edge], point])],
         )
+
+
+def _refuse_meetings(points: np.ndarray, number: np.ndarray, plane: Plane, hair: float, parameter: str) -> None:
+    """Refuse a curve two points of which are one, as where it runs round twice."""
+    pairs = cKDTree(points).query_pairs(hair, output_type="ndarray")
+    if len(pairs) == 0:
+        return
+    a, b = pairs[np.argmin(pairs[:, 0])]
+    fault = "runs round more than once" if 2 * len(pairs) >= len(points) else "touches itself"
+    raise InvalidGeometry(
+        f"{fault}: points {number[a]} and {number[b]} are both at {_named(plane, points[a])}; move them apart, or make "
+        "two curves",
+        parameter=parameter,
+        points=number[[a, b]],
+    )
 
 
 def refuse_outside(loop: np.ndarray, ring: np.ndarray, plane: Plane, what: str) -> None:

@@ -11,6 +11,7 @@ from ...geometry.curves import Curve, arc_length, polyline, turning
 from ...geometry.plane import Plane
 from ...geometry.section import Section, doubled_area
 from ..crossings import refuse_outside
+from ..limits import check_extent
 
 FarField = Literal["circle", "box"]
 
@@ -158,7 +159,7 @@ def given_outer(curve: Curve, plane: Plane, section: Section, *, closed: bool) -
         If it is open where it should be closed or the other way, does not hold the section, or lies elsewhere.
     """
     points = polyline(curve, "outer")
-    scale = float(np.ptp(points, axis=0).max())
+    scale = check_extent(points, parameter="outer")
     if np.abs(plane.deviations(points)).max() > 1e-6 * scale:
         raise InvalidGeometry("is not in the section's plane; move it there", parameter="outer")
     ends_meet = bool((points[0] == points[-1]).all())

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...errors import InvalidInput
 from ...sizing import cells_for_growth, geometric
+from ...sizing.end_cells import SMALLEST
 from ..limits import check_size
 
 _PASSES = 12
@@ -49,6 +50,7 @@ def geometric_lines(
     fine = np.concatenate([[0.0], np.geomspace(1e-3 * _smallest(line, heights), 1.0, _FINE)])
     t = np.broadcast_to(fine, (n, len(fine)))
     length = _lengths(line(t))
+    check_heights(heights, length[:, -1])
     first = heights / length[:, -1]
     if layers is None:
         layers = cells_for_growth(float(first.min()), growth)
@@ -68,6 +70,32 @@ def geometric_lines(
         t = _moved(t, length, fractions)
     steps = np.diff(fractions, axis=1)
     return t, float((steps[:, 1:] / steps[:, :-1]).max()) if layers > 1 else 1.0
+
+
+def check_heights(heights: np.ndarray, lengths: np.ndarray) -> None:
+    """Refuse first heights that do not fit lines, or are lost on them.
+
+    Examples
+    --------
+    >>> check_heights(np.array([1e-6]), np.array([10.0]))
+    >>> check_heights(np.array([3.0]), np.array([2.0]))
+    Traceback (most recent call last):
+    ...
+    meshcore.errors.InvalidInput: first_height: is 3, but the far field is only 2 away; make it smaller
+    """
+    share = heights / lengths
+    long, short = int(np.argmax(share)), int(np.argmin(share))
+    if share[long] > 0.999:
+        raise InvalidInput(
+            f"is {heights[long]:.6g}, but the far field is only {lengths[long]:.6g} away; make it smaller",
+            parameter="first_height",
+        )
+    if share[short] < SMALLEST:
+        raise InvalidInput(
+            f"is {heights[short]:.6g}, which is lost on a line of {lengths[short]:.6g} to the far field; make it "
+            "larger, or the far field smaller",
+            parameter="first_height",
+        )
 
 
 def _smallest(line: Callable[[np.ndarray], np.ndarray], heights: np.ndarray) -> float:

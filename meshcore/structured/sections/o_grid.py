@@ -18,6 +18,7 @@ from ...sizing.around_loop import respaced_loop
 from ..limits import check_size
 from . import section_parameters as parameters
 from .far_field import FarField, PolarCurve, box_corners, given_outer
+from .lines_out import check_heights
 from .rays import Section, at_height, paths, ray_directions, to_far_field
 from .section_front import edge_sizes
 from .section_input import section_loop
@@ -172,7 +173,9 @@ def _wrapped(loop, far, chord, height, growth, layers, progress) -> np.ndarray:
     rays, bend = _best_rays(around, far, chord, height)
     advance(progress, 0.5, "interpolating")
     reach = to_far_field(around, rays, bend, far)
-    first = at_height(around, rays, bend, height) / reach
+    first = at_height(around, rays, bend, height)
+    check_heights(first, reach)
+    first = first / reach
     if layers is None:
         layers = cells_for_growth(float(first.min()), growth)
     check_size(len(loop) + 1, layers + 1, parameter="layers")

@@ -9,11 +9,14 @@ from ...geometry.curves import arc_length, resampled
 from ...geometry.section import Section
 from ...sizing import cells_for_growth, geometric
 from ...sizing.around_loop import respaced_loop
+from ..limits import check_size
 
 WAKE_BENDS = 0.5
 """Chords over which a wake turns from the trailing edge's bisector to the chord's direction."""
 BASE_CELLS = 2
 """Cells on each half of a blunt base."""
+_LEAST_SIZE = 1e-9
+"""Of the chord: the smallest cell that may be asked for at an edge."""
 
 
 def respaced_section(section: Section, around: int | None, leading: float | None, trailing: float | None) -> Section:
@@ -43,14 +46,17 @@ def edge_sizes(
     Raises
     ------
     InvalidInput
-        If a size is no positive number below half the chord.
+        If a size is not between a billionth and a half of the chord.
     """
     length = arc_length(np.vstack([loop, loop[:1]]))
     away = np.linalg.norm(loop - loop[0], axis=1)
     nose, chord = int(np.argmax(away)), float(away.max())
     for name, size in (("leading_spacing", leading), ("trailing_spacing", trailing)):
-        if size is not None and not 0 < size < 0.5 * chord:
-            raise InvalidInput(f"is {size:.6g}; the chord is {chord:.6g}", parameter=name)
+        if size is not None and not _LEAST_SIZE * chord < size < 0.5 * chord:
+            raise InvalidInput(
+                f"is {size:.6g}; give a size between {_LEAST_SIZE * chord:.6g} and half the chord, {0.5 * chord:.6g}",
+                parameter=name,
+            )
     sizes = [] if leading is None else [(nose, leading)]
     if trailing is not None:
         sizes += [(at, trailing) for at in (0, lower) if at is not None]
@@ -110,6 +116,7 @@ def wake_line(
     line = section.tail + x[:, None] * forward + y[:, None] * side
     whole = arc_length(line)[-1]
     first = min(first, 0.2 * whole)
+    check_size((cells or 0) + 1, 2, parameter="wake_cells")
     if cells is None:
         cells = max(2, cells_for_growth(first / whole, growth))
     spacing = geometric(cells, first=first / whole) if cells > 1 else np.array([0.0, 1.0])

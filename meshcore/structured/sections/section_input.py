@@ -100,6 +100,7 @@ def section_loop(curve: Curve) -> GivenSection:
 def _closed(curve: Curve) -> tuple[np.ndarray, np.ndarray, list[str]]:
     """Points of the curve, the last repeating the first, numbers of all but the last, and what was done."""
     points, number = numbered_polyline(curve, "section")
+    check_extent(points, parameter="section")
     if is_closed(points):
         return points, number[:-1], []
     extent = float(np.ptp(points, axis=0).max())
@@ -134,7 +135,8 @@ def _without_spikes(loop: np.ndarray, hair: float) -> np.ndarray:
         points = loop[kept]
         before, after = np.roll(points, 1, axis=0) - points, np.roll(points, -1, axis=0) - points
         short, long = np.linalg.norm(before, axis=1), np.linalg.norm(after, axis=1)
-        width = np.abs(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]) / np.maximum(short, long)
+        cross = np.abs(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0])
+        width = cross / np.maximum(np.maximum(short, long), 1e-300)
         same = np.linalg.norm(before, axis=1) <= hair
         tip = same | ((width <= hair) & ((before * after).sum(axis=1) > 0))
         tip &= ~(np.roll(tip, 1) & (np.arange(len(tip)) > 0))  # of two neighbours one at a time

@@ -121,4 +121,5 @@ def scaled_jacobians(points: np.ndarray) -> np.ndarray:
     edge = np.roll(quad, -1, axis=0) - quad
     back = -np.roll(edge, 1, axis=0)
     cross = edge[..., 0] * back[..., 1] - edge[..., 1] * back[..., 0]
-    return (cross / (np.linalg.norm(edge, axis=-1) * np.linalg.norm(back, axis=-1))).min(axis=0)
+    size = np.linalg.norm(edge, axis=-1) * np.linalg.norm(back, axis=-1)
+    return (cross / np.maximum(size, 1e-300)).min(axis=0)  # points that are one make flat cells

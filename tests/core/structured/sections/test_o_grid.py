@@ -224,10 +224,12 @@ def test_a_given_far_field_is_met():
         (gallery.circle(30, centre=(9, 0)), "does not go round all of the section"),
         (np.array([[5, -5], [5, 5], [-5, 5], [-5, 4], [4, 4], [4, -5], [5, -5.0]]), "outer"),
         (gallery.circle(30, radius=5).points[np.r_[0:30, 0]] + [0, 0, 1], "plane"),
+        (gallery.circle(30, radius=5).points[np.r_[0:30, 0]] * 1e70, "lost"),
+        (gallery.circle(30, radius=5).points[np.r_[0:30, 0]] * 1e100, "outer: has an extent"),
     ],
 )
 def test_far_fields_that_do_not_fit(outer, words):
-    with pytest.raises(InvalidGeometry, match=words):
+    with pytest.raises(InvalidInput, match=words):
         mc.o_grid(gallery.airfoil("naca0012"), outer)
 
 
@@ -262,6 +264,12 @@ CIRCLE = polyline(gallery.circle(12))
         (CIRCLE, {"growth": 1.0}, InvalidInput, "growth"),
         (CIRCLE, {"layers": 0}, InvalidInput, "layers"),
         (CIRCLE, {"cut": 12}, InvalidInput, "cut: 12 is no point"),
+        (np.vstack([CIRCLE, CIRCLE[1:]]), {}, InvalidGeometry, "runs round more than once: points 0 and 12"),
+        (CIRCLE[[*range(7), 2, *range(8, 13)]], {}, InvalidGeometry, "touches itself: points 2 and 7"),
+        (CIRCLE * [1, np.nan, 1], {}, InvalidGeometry, "section: point 0 is .* not finite"),
+        (np.zeros((5, 3)), {}, InvalidGeometry, "needs at least two different points, got 1"),
+        (CIRCLE, {"leading_spacing": 5e-324}, InvalidInput, "leading_spacing: is 4.94066e-324; give a size between"),
+        (CIRCLE, {"trailing_spacing": 1.5}, InvalidInput, "half the chord, 1"),
         (gallery.square(3), {"around": 3}, InvalidInput, "around: 3 cells are too few"),
     ],
 )
