@@ -62,23 +62,50 @@ def hyperbolic_step(front, height, base):
     return front + d
 
 
+def layers_left(a, b, front, normals, heights):
+    """Layers until points a and b meet and the least cosine of a normal with the line across; 16 if they do not."""
+    across = front[b] - front[a]
+    one, other = normals[a] @ across, -(normals[b] @ across)
+    if one <= 0 or other <= 0:
+        return 16.0, 0.0
+    return across @ across / (one * heights[a] + other * heights[b]), min(one, other) / np.linalg.norm(across)
+
+
+def needed(m, left, facing):
+    """(strength, shrink) of m points to either side that meet in so many layers."""
+    slower = 1 - np.clip((facing - 0.5) / 0.5, 0, 1) * (1 - np.clip(left / 5, 0.02, 1))
+    return 0.25 * m * m * min(16 / left - 1, 4), slower
+
+
 def windows(front, normals, heights, left_turns):
     """(strength, shrink) of each window (m, k) of a closed front whose ends face each other."""
     n, found = len(front), {}
     for m in window_sizes(n):
         for k in range(n):
             a, b = (k - m) % n, (k + m) % n
-            across = front[b] - front[a]
-            one, other = normals[a] @ across, -(normals[b] @ across)
-            turned = sum(left_turns[(a + q) % n] for q in range(1, 2 * m + 1))
-            if one <= 0 or other <= 0 or turned <= 0:
-                continue
-            left = across @ across / (one * heights[a] + other * heights[b])
-            if left < 16:
-                facing = np.clip((min(one, other) / np.linalg.norm(across) - 0.5) / 0.5, 0, 1)
-                slower = 1 - facing * (1 - np.clip(left / 5, 0.02, 1))
-                found[m, k] = 0.25 * m * m * min(16 / left - 1, 4), slower
+            left, facing = layers_left(a, b, front, normals, heights)
+            if left < 16 and sum(left_turns[(a + q) % n] for q in range(1, 2 * m + 1)) > 0:
+                found[m, k] = needed(m, left, facing)
     return found
+
+
+def across_bays(front, normals, heights, left_turns, stride):
+    """(n,) strengths and shrinkings where any two points of a closed front face each other across a bay."""
+    n = len(front)
+    strength, shrink = np.zeros(n), np.ones(n)
+    for a in range(0, n, stride):
+        turned = np.cumsum(left_turns[(a + np.arange(1, n)) % n])
+        met = [
+            (*layers_left(a, (a + q) % n, front, normals, heights), q)
+            for q in range(2 * stride, n, stride)
+            if turned[q - 1] > 1
+        ]
+        left, facing, away = min(met, default=(16.0, 0.0, 0))
+        if left < 16:
+            given = np.arange(a - away // 4, a + away + away // 4 + 1) % n
+            more, slower = needed(away / 2, left, facing)
+            strength[given], shrink[given] = np.maximum(strength[given], more), np.minimum(shrink[given], slower)
+    return strength, shrink
 
 
 def window_sizes(n):
@@ -107,21 +134,18 @@ def handed_down(found, n):
 
 
 def crossings(front, closed):
-    """Whether two edges of a front that do not touch each other cross."""
+    """Whether two edges of a front that do not touch each other cross, each compared with each."""
     n = len(front)
-    edges = [(k, (k + 1) % n) for k in range(n if closed else n - 1)]
-    for i, (a, b) in enumerate(edges):
-        for c, d in edges[i + 1 :]:
-            if len({a, b, c, d}) == 4 and _cross(*front[[a, b, c, d]]):
-                return True
-    return False
+    start = np.arange(n if closed else n - 1)
+    a, b = front[start], front[(start + 1) % n]
+    across = side(a[:, None], b[:, None], a) * side(a[:, None], b[:, None], b) < 0
+    apart = (start[:, None] - start) % n
+    return bool((across & across.T & (apart > 1) & (apart < n - 1)).any())
 
 
-def _cross(a, b, c, d):
-    def side(p, q, r):
-        return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
-
-    return side(a, b, c) * side(a, b, d) < 0 and side(c, d, a) * side(c, d, b) < 0
+def side(p, q, r):
+    """Twice the area of triangles p, q, r, positive if they turn to the left."""
+    return (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (r[..., 0] - p[..., 0])
 
 
 def sound(points, closed):

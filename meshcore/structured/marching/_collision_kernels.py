@@ -1,7 +1,9 @@
 """Fronts that are about to meet across a bay: where, and how hard they must be drawn out of it.
 
 Hyperbolic equations are local: one wall of a bay does not see the other coming (survey 2.7.1: grid lines overlap and
-volumes become negative). Here pairs of points that face each other are looked for at all scales, in n log n work.
+volumes become negative). Here pairs of points that face each other are looked for: everywhere in windows of sizes that
+grow by a seventh or so, in n log n work, and where the front has a bay, whose mouth may be a few points wide and fall
+between two sizes, among all pairs of at most 512 points.
 """
 
 import math
@@ -14,6 +16,8 @@ DRAW = 0.25  # dissipation a layer for a window of one point to either side
 FACING = 0.5  # cosine between normals and the line across, from which on heights shrink
 SLOW = 5.0  # layers until fronts meet, from which on heights shrink
 SLOWEST = 0.02
+BAY = 1.0  # left turn (radians) of a front from which on it has a bay
+MOST = 512  # points of a front that are compared with each other
 
 
 @kernel
@@ -45,6 +49,8 @@ def collisions(r, t, turned, h, closed, strength, shrink, scratch):
         if any_found:
             for k in range(2, n + 2):
                 strength[k], shrink[k] = max(strength[k], found[k]), min(shrink[k], slower[k])
+    if deepest_bay(turned, closed) > BAY:
+        across_bays(r, t, turned, h, closed, strength, shrink)
     closing_edges(r, t, h, closed, strength)
 
 
@@ -67,22 +73,76 @@ def look_across(m, r, t, turned, h, closed, strength, shrink):
                 b, wrap = b - n, turned[n + 1]
         elif a < 2 or b >= n + 2:
             continue
-        x, y = r[0, b] - r[0, a], r[1, b] - r[1, a]
-        square, near = x * x + y * y, LAYERS_AHEAD * (h[a] + h[b])
-        if square >= near * near:
-            continue
-        one, other = t[0, a] * y - t[1, a] * x, t[1, b] * x - t[0, b] * y
-        if one > 0 and other > 0 and turned[b] - turned[a] + wrap > 0:
-            left = square / (one * h[a] + other * h[b] + TINY)
+        if turned[b] - turned[a] + wrap > 0:
+            left, facing = layers_left(a, b, r, t, h)
             if left < LAYERS_AHEAD:
                 any_found = True
-                urgency = min(LAYERS_AHEAD / left - 1, 4.0)
-                strength[k] = max(strength[k], DRAW * m * m * urgency)
-                gap = math.sqrt(square) + TINY
-                facing = min(1.0, max(0.0, (min(one, other) / gap - FACING) / (1 - FACING)))
-                slower = max(SLOWEST, min(1.0, left / SLOW))
-                shrink[k] = min(shrink[k], 1 - facing * (1 - slower))
+                strength[k] = max(strength[k], drawing(m, left))
+                shrink[k] = min(shrink[k], slowing(left, facing))
     return any_found
+
+
+@kernel(inline=True)
+def layers_left(a, b, r, t, h):
+    """Layers until two points meet, many if they do not face each other; the least cosine of normal and line across."""
+    x, y = r[0, b] - r[0, a], r[1, b] - r[1, a]
+    square, near = x * x + y * y, LAYERS_AHEAD * (h[a] + h[b])
+    if square >= near * near:
+        return LAYERS_AHEAD, 0.0
+    one, other = t[0, a] * y - t[1, a] * x, t[1, b] * x - t[0, b] * y
+    if not (one > 0 and other > 0):
+        return LAYERS_AHEAD, 0.0
+    return square / (one * h[a] + other * h[b] + TINY), min(one, other) / (math.sqrt(square) + TINY)
+
+
+@kernel(inline=True)
+def drawing(m, left):
+    """Dissipation of windows of m points to either side, whose ends meet in so many layers."""
+    return DRAW * m * m * min(LAYERS_AHEAD / left - 1, 4.0)
+
+
+@kernel(inline=True)
+def slowing(left, facing):
+    """The share that is left of heights."""
+    straight = min(1.0, max(0.0, (facing - FACING) / (1 - FACING)))
+    return 1 - straight * (1 - max(SLOWEST, min(1.0, left / SLOW)))
+
+
+@kernel
+def deepest_bay(turned, closed):
+    """Radians by which a part of the front turns to the left, at most."""
+    n = turned.size - 4
+    least, most = turned[2], 0.0
+    for k in range(2 * n if closed else n):
+        at = turned[k + 2] if k < n else turned[k - n + 2] + turned[n + 1]
+        least = min(least, at)
+        most = max(most, at - least)
+    return most
+
+
+@kernel
+def across_bays(r, t, turned, h, closed, strength, shrink):
+    """Compare points with all others across a bay, give what is needed to those between and half as far beyond."""
+    n = h.size - 4
+    stride = (n + MOST - 1) // MOST
+    for a in range(2, n + 2, stride):
+        soonest, away, facing = LAYERS_AHEAD, 0, 0.0
+        for ahead in range(2 * stride, n if closed else n + 2 - a, stride):
+            b, wrap = a + ahead, 0.0
+            if b >= n + 2:
+                b, wrap = b - n, turned[n + 1]
+            if turned[b] - turned[a] + wrap > BAY:
+                left, straight = layers_left(a, b, r, t, h)
+                if left < soonest:
+                    soonest, away, facing = left, ahead, straight
+        if away > 0:
+            needed, slower = drawing(0.5 * away, soonest), slowing(soonest, facing)
+            for at in range(a - away // 4, a + away + away // 4 + 1):
+                k = at
+                if closed:
+                    k = at + n if at < 2 else at - n if at >= n + 2 else at
+                if 2 <= k < n + 2:
+                    strength[k], shrink[k] = max(strength[k], needed), min(shrink[k], slower)
 
 
 @kernel

@@ -96,12 +96,19 @@ def read_front(curve: Curve, *, other_side: bool = False, parameter: str = "fron
 
 def stop_told(stop: Stop, ready: Front, asked: int) -> str:
     """What to say of a march that stopped: at which layer, at which point as the user numbers them, and why."""
+    return f"stopped after {stop.layer} of {asked} layers, since {reason_told(stop, ready)}"
+
+
+def reason_told(stop: Stop, ready: Front) -> str:
+    """Why a march stopped, at which of the front's points as the user numbers them, where, and how concave it is."""
     x, y, z = ready.plane.to_space(stop.place[None])[0]
+    place = f"near ({x:.6g}, {y:.6g}, {z:.6g})"
+    if stop.other is not None:
+        points = sorted(ready.number[[stop.point, stop.other]])
+        bay = f"across a bay that is concave by {stop.concavity:.0f} degrees" if stop.concavity > 0 else "there"
+        return f"{stop.reason} at the front's points {points[0]} and {points[1]} {place}, {bay}"
     bend = f"where it is concave by {stop.concavity:.0f} degrees" if stop.concavity > 0 else "where it is not concave"
-    return (
-        f"stopped after {stop.layer} of {asked} layers, since {stop.reason} at the front's point "
-        f"{ready.number[stop.point]} near ({x:.6g}, {y:.6g}, {z:.6g}), {bend}"
-    )
+    return f"{stop.reason} at the front's point {ready.number[stop.point]} {place}, {bend}"
 
 
 def changes_told(result: Marched) -> tuple[dict[str, int], list[str]]:

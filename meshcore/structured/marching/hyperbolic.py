@@ -19,7 +19,7 @@ from ..layer_report import layers_told, worst_skew
 from ..limits import check_size
 from ..poisson.elliptic_problem import Asked, solved
 from . import parabolic_march
-from .fronts import Front, changes_told, read_front, stop_told
+from .fronts import Front, changes_told, read_front, reason_told, stop_told
 from .hyperbolic_march import Dissipation, Marched, layer_heights, marched
 from .marching_ends import Along, End, Free, Mirror, OnCurve, Splay
 from .marching_parameters import FirstHeightParam, GrowthParam, LargestHeightParam, LayersParam, asked_heights
@@ -201,8 +201,8 @@ def _ends(ready: Front, choices: tuple[str, str], curves: tuple, splay: float) -
 def _continued(ready: Front, result: Marched, heights: np.ndarray, outer: Curve, progress: Progress) -> Marched:
     """The layers of a march that stopped, or as many of them as need be, and others from there to the outer curve."""
     target, made = outer_points(ready, outer), result.stop.layer
-    tries = [("parabolic", k) for k in dict.fromkeys((made, max(0, made - 8), made // 2))]
-    tries += [("elliptic", k) for k in dict.fromkeys((made // 2, 0))]
+    tries = [("parabolic", k) for k in dict.fromkeys((made, max(0, made - 2), max(0, made - 8), made // 2))]
+    tries += [("elliptic", k) for k in dict.fromkeys((max(0, made - 2), made // 2, 0))]
     for scheme, kept in tries:
         start, layers = result.points[:, kept], max(2, len(heights) - kept)
         reach = np.linalg.norm(target - start, axis=1)
@@ -210,10 +210,9 @@ def _continued(ready: Front, result: Marched, heights: np.ndarray, outer: Curve,
         fractions = np.array([geometric(layers, first=f) for f in np.clip(first, 1e-11, 1 / layers)]).T
         rest = _rest(scheme, ready, start, target, fractions, progress)
         if rest is not None:
-            x, y, z = ready.plane.to_space(result.stop.place[None])[0]
             ready.warnings.append(
-                f"beyond layer {kept} it is {scheme} and ends on the outer curve, since {result.stop.reason} at layer "
-                f"{made} near ({x:.6g}, {y:.6g}, {z:.6g}), where it is concave by {result.stop.concavity:.0f} degrees"
+                f"beyond layer {kept} it is {scheme} and ends on the outer curve, since after layer {made} "
+                f"{reason_told(result.stop, ready)}"
             )
             return Marched(np.concatenate([result.points[:, : kept + 1], rest[:, 1:]], axis=1), result.split, None)
     return result

@@ -18,7 +18,7 @@ from .marching_ends import Conditions, End, Free, as_numbers
 
 POINTS_A_CHUNK = 100_000
 """Between reports of progress; about 30 ms."""
-RAISED = (1.0, 1.5, 3.0)
+RAISED = (1.0, 1.5, 3.0, 6.0)
 """Times the dissipation asked for with which a march is tried, each if cells fold with the one before."""
 MOST_BASE = 2.0
 FOLDED, MET = "cells fold", "fronts meet"
@@ -64,9 +64,12 @@ class Stop(NamedTuple):
     place : (2,) float
         Where the point is on the last layer that was made.
     concavity : float
-        Degrees by which the last layer turns to the left, where it does so around that point.
+        Degrees by which the last layer turns to the left: where it does so around that point, or between the two that
+        meet.
     reason : str
         "cells fold" or "fronts meet".
+    other : int or None
+        The point of the front that it would meet.
     """
 
     point: int
@@ -74,6 +77,7 @@ class Stop(NamedTuple):
     place: np.ndarray
     concavity: float
     reason: str
+    other: int | None = None
 
 
 class Marched(NamedTuple):
@@ -277,10 +281,10 @@ def run(
     out, made, info = _march(front, heights, outer, conditions, dissipation, progress)
     stop = None
     if made < len(heights):
-        stop = _stop(out[made].T, int(info[1]), made, closed, FOLDED)
+        stop = _folded(out[made].T, int(info[1]), made, closed)
     sound, where = _last_simple(out[: made + 1], closed)
     if sound < made:
-        stop = _stop(out[sound].T, where, sound, closed, MET)
+        stop = _met(out[sound].T, where, sound, closed)
     return Marched(np.ascontiguousarray(out[: sound + 1].transpose(2, 0, 1)), int(info[0]), stop)
 
 
@@ -322,9 +326,9 @@ def checked_front(front: np.ndarray, closed: bool, parameter: str = "front") -> 
         )
     if closed and (crossing := _crossing(front, closed)) is not None:
         raise InvalidGeometry(
-            f"crosses itself near {front[crossing].tolist()}, at its point {crossing}; undo the loop",
+            f"crosses itself near {front[crossing[0]].tolist()}, at its point {crossing[0]}; undo the loop",
             parameter=parameter,
-            points=[crossing],
+            points=[crossing[0]],
         )
     return front
 
@@ -339,16 +343,16 @@ def _checked_heights(heights: np.ndarray, n: int) -> np.ndarray:
     return heights
 
 
-def _crossing(front: np.ndarray, closed: bool) -> int | None:
-    """A point whose edge crosses another edge of a front, or None."""
+def _crossing(front: np.ndarray, closed: bool) -> tuple[int, int] | None:
+    """Two points whose edges to their next ones cross, the first first, or None."""
     n = len(front)
     start = np.arange(n if closed else n - 1)
     edges = np.column_stack([start, (start + 1) % n])
     crossing = overlaps(front, edges, 0.0).crossing
-    return int(crossing[0, 0]) if len(crossing) else None
+    return (int(crossing[0].min()), int(crossing[0].max())) if len(crossing) else None
 
 
-def _last_simple(layers: np.ndarray, closed: bool) -> tuple[int, int]:
+def _last_simple(layers: np.ndarray, closed: bool) -> tuple[int, tuple[int, int] | None]:
     """The last front that does not cross itself, and where the next one does.
 
     Sound cells between two fronts without crossings cover what lies between them once, so that the fronts between need
@@ -357,7 +361,7 @@ def _last_simple(layers: np.ndarray, closed: bool) -> tuple[int, int]:
     last = len(layers) - 1
     where = _crossing(np.ascontiguousarray(layers[last].T), closed)
     if where is None:
-        return last, 0
+        return last, None
     low, high = 0, last
     while high - low > 1:
         middle = (low + high) // 2
@@ -366,12 +370,9 @@ def _last_simple(layers: np.ndarray, closed: bool) -> tuple[int, int]:
     return low, where
 
 
-def _stop(front: np.ndarray, cell: int, layer: int, closed: bool, reason: str) -> Stop:
+def _folded(front: np.ndarray, cell: int, layer: int, closed: bool) -> Stop:
     """The stop at a cell: its point where the front turns most to the left, and by how much it does around there."""
-    n = len(front)
-    turn = np.degrees(turning(front))
-    if not closed:
-        turn[[0, -1]] = 0
+    n, turn = len(front), _turning(front, closed)
     near = [k % n if closed else min(max(k, 0), n - 1) for k in range(cell - 2, cell + 4)]
     point = max(near, key=lambda k: turn[k])
     concavity = max(turn[point], 0.0)
@@ -380,4 +381,24 @@ def _stop(front: np.ndarray, cell: int, layer: int, closed: bool, reason: str) -
         while concavity > 0 and concavity < 360 and (closed or 0 <= k < n) and turn[k % n] > 0:
             concavity += turn[k % n]
             k += step
-    return Stop(point, layer, front[point].copy(), float(min(concavity, 360.0)), reason)
+    return Stop(point, layer, front[point].copy(), float(min(concavity, 360.0)), FOLDED)
+
+
+def _met(front: np.ndarray, edges: tuple[int, int], layer: int, closed: bool) -> Stop:
+    """The stop where two edges would cross: the points of theirs that are nearest, and the bay between them."""
+    n, turn = len(front), _turning(front, closed)
+    first, second = edges
+    ends = [(a % n, b % n) for a in (first, first + 1) for b in (second, second + 1) if a % n != b % n]
+    point, other = min(ends, key=lambda pair: np.linalg.norm(front[pair[0]] - front[pair[1]]))
+    bay = turn[first + 1 : second + 1].sum()
+    if closed:
+        bay = max(bay, turn.sum() - bay)
+    return Stop(point, layer, front[point].copy(), float(max(bay, 0.0)), MET, other)
+
+
+def _turning(front: np.ndarray, closed: bool) -> np.ndarray:
+    """Degrees by which a front turns to the left at each point; none at the ends of an open one."""
+    turn = np.degrees(turning(front))
+    if not closed:
+        turn[[0, -1]] = 0
+    return turn

@@ -14,6 +14,7 @@ from meshcore.structured.marching._collision_kernels import collisions
 from meshcore.structured.marching.hyperbolic_march import Dissipation, layer_heights, marched
 from meshcore.structured.marching.marching_ends import Along, Mirror, OnCurve, Splay
 from tests import naive_marching as naive
+from tests.outlines import outline, random_outlines
 
 
 def clockwise_circle(n, radius=1.0):
@@ -91,24 +92,28 @@ def test_symmetric_sections_give_symmetric_grids():
     assert np.abs(points - mirrored).max() < 1e-9 * np.abs(points).max()
 
 
-def test_fronts_about_to_meet_are_found_as_all_windows_find_them():
-    front = np.ascontiguousarray(horseshoe(0.35, 0.9, 90))
+@pytest.mark.parametrize(("points", "height"), [(90, 0.06), (530, 0.06), (90, 0.045)])
+def test_fronts_about_to_meet_are_found_as_windows_and_pairs_across_bays_find_them(points, height):
+    front = np.ascontiguousarray(horseshoe(0.35, 0.9, points))
     n = len(front)
     after = np.roll(front, -1, axis=0) - front
     normals = np.column_stack([-after[:, 1], after[:, 0]]) + np.roll(np.column_stack([-after[:, 1], after[:, 0]]), 1, 0)
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     turn = turning(front)
-    heights = np.full(n, 0.06)
-    expected = naive.handed_down(naive.windows(front, normals, heights, turn), n)
+    heights = np.full(n, height)
+    windows = naive.handed_down(naive.windows(front, normals, heights, turn), n)
+    pairs = naive.across_bays(front, normals, heights, turn, stride=1 + n // 513)
+    expected = np.maximum(windows[0], pairs[0]), np.minimum(windows[1], pairs[1])
     r, t = np.zeros((2, n + 4)), np.zeros((2, n + 4))
     r[:, 2:-2], t[:, 2:-2] = front.T, np.column_stack([normals[:, 1], -normals[:, 0]]).T
     strength, shrink, turned, h = np.zeros((4, n + 4))
     turned[2:-2], h[2:-2] = np.cumsum(turn), heights
     collisions(r, t, turned, h, True, strength, shrink, np.zeros((4, n + 4)))
-    assert (expected[0] > 0).sum() > 20 and expected[1].min() < 0.9
+    assert (expected[0] > 0).sum() > n / 6 and expected[1].min() < 0.9
+    assert (pairs[1] < windows[1]).any()
     assert np.abs(shrink[2:-2] - expected[1]).max() < 1e-12
-    edges = strength[2:-2] > expected[0] + 1e-12  # those that vanish have a strength of their own
-    assert (strength[2:-2] >= expected[0] - 1e-12).all() and (strength[2:-2][edges] <= 1).all()
+    edges = strength[2:-2] > expected[0] + 1e-9  # those that vanish have a strength of their own
+    assert (strength[2:-2] >= expected[0] - 1e-9).all() and (strength[2:-2][edges] <= 1).all()
 
 
 # ---- any section
@@ -209,6 +214,16 @@ def test_where_cells_would_fold_a_march_is_tried_with_more_dissipation(seed, rai
     assert report.converged and any("times as much as asked" in text for text in report.warnings) == raised
 
 
+def test_deep_bays_with_narrow_mouths_get_all_layers():
+    stopped = 0
+    for kind, front in random_outlines(40, seed=20):
+        size = np.linalg.norm(np.ptp(front, axis=0))
+        result = marched(front, layer_heights(1e-3 * size, 3.0, layers=60, distance=10 * size), closed=True)
+        assert result.points.shape[1] == 1 or naive.sound(result.points, True)
+        stopped += result.stop is not None and kind != "spiral"  # whose bays wind by more than a turn
+    assert stopped == 0
+
+
 @pytest.mark.parametrize(("name", "most"), [("naca0012", 11.5), ("rae2822", 11.8)])
 def test_lines_off_airfoils_are_hardly_skew(name, most):
     """A third less than Construct2D's 17.3 and 17.7 degrees, away from the wall."""
@@ -227,13 +242,54 @@ def test_a_march_that_cannot_go_on_stops_with_a_valid_grid_and_says_where():
 
 
 def test_a_march_that_cannot_go_on_ends_on_the_outer_curve_if_there_is_one():
-    bay = lines_through(horseshoe(0.02, 1.9, 60)[::-1], closed=True)
-    stopped, report = mc.hyperbolic(bay, first_height=0.004, layers=40)
+    front = outline(np.random.default_rng([5, 241]), "narrow C")
+    size = np.linalg.norm(np.ptp(front, axis=0))
+    pocket, asked = lines_through(front[::-1], closed=True), {"first_height": 2.8e-5 * size, "layers": 80}
+    stopped, report = mc.hyperbolic(pocket, distance=10 * size, **asked)
     assert not report.converged
-    grid, report = mc.hyperbolic(bay, outer=gallery.circle(60, radius=6.0), first_height=0.004, layers=40)
-    assert report.converged and "ends on the outer curve" in report.warnings[-1]
-    assert np.abs(np.linalg.norm(grid.points[:, -1, 0], axis=1) - 6).max() < 0.02
-    assert naive.sound(grid.points[:-1, :, 0, :2], True) and grid.shape[1] > stopped.shape[1]
+    outer = gallery.circle(128, radius=3 * size)
+    grid, report = mc.hyperbolic(pocket, outer=outer, distance=10 * size, **asked)
+    assert report.converged and "ends on the outer curve" in report.warnings[-1] and "concave" in report.warnings[-1]
+    assert np.abs(np.linalg.norm(grid.points[:, -1, 0], axis=1) - 3 * size).max() < 2e-3 * size
+    assert naive.sound(grid.points[:-1, :, 0, :2], True) and grid.shape[1] == 81
+    made = stopped.shape[1] - 1
+    assert f"after layer {made} cells fold" in report.warnings[-1]
+    kept = int(report.warnings[-1].split("beyond layer ")[1].split()[0])
+    assert made - 8 <= kept and np.array_equal(grid.points[:, : kept + 1], stopped.points[:, : kept + 1])
+
+
+@pytest.mark.parametrize("k", [2, 6, 10, 14])
+def test_fronts_that_meet_are_told_with_both_points_and_the_bay_between(k):
+    front = outline(np.random.default_rng([3, k]), "spiral")
+    size = np.linalg.norm(np.ptp(front, axis=0))
+    result = marched(front, layer_heights(1e-3 * size, 3.0, layers=80, distance=10 * size), closed=True)
+    stop, last = result.stop, result.points[:, -1]
+    assert stop.reason == "fronts meet" and (stop.place == last[stop.point]).all()
+    assert np.linalg.norm(last[stop.point] - last[stop.other]) < 0.5 * size
+    first, second = sorted((stop.point, stop.other))
+    turn = np.degrees(turning(last))
+    bay = max(turn[first + 1 : second].sum(), turn.sum() - turn[first : second + 1].sum())
+    assert 90 < stop.concavity < 400 and abs(bay - stop.concavity) < 180
+    ring = np.concatenate([front[::-1], front[-1:]])
+    try:
+        text = mc.hyperbolic(ring, heights=layer_heights(1e-3 * size, 3.0, layers=80, distance=10 * size))[1].warnings[
+            -1
+        ]
+    except GenerationFailed as error:
+        text = str(error)
+    given = sorted(len(front) - 1 - np.array([stop.point, stop.other]))
+    assert f"fronts meet at the front's points {given[0]} and {given[1]} near" in text and "across a bay" in text
+
+
+def test_the_point_told_is_numbered_as_in_the_mesh_that_was_given():
+    corner = polyline(gallery.l_shape(8))[:-1]
+    order = np.random.default_rng(0).permutation(len(corner))
+    place = np.argsort(order)  # of each point of the loop in the mesh
+    mesh = mc.Mesh(corner[order], {"line": np.column_stack([place, np.roll(place, -1)])})
+    grid, report = mc.hyperbolic(mesh, other_side=True, distance=3.0)
+    (i, *_) = np.argwhere(grid.point_data["stopped"])[0]
+    told = int(report.warnings[-1].split("front's point")[1].split()[0].strip("s"))
+    assert np.array_equal(mesh.points[told], grid.points[i, 0, 0])
 
 
 # ---- open fronts and their ends

@@ -87,11 +87,14 @@ def test_reports_tell_heights_reached_skew_and_wall_units():
     assert report.quality["worst skew of lines (degree)"] == pytest.approx(90 - angle.min())
 
 
-@pytest.mark.parametrize(("make", "kind", "number"), [(mc.o_grid, "L-shape", 48), (mc.c_grid, "turbine", 33)])
-def test_reports_tell_what_a_march_did_so_that_no_cell_folds(make, kind, number):
-    found, loop = list(random_bodies(number + 1, 3))[-1]
+@pytest.mark.parametrize(
+    ("make", "kind", "seed", "number", "height", "layers"),
+    [(mc.o_grid, "measured", 4, 252, 0.05, 30), (mc.c_grid, "star", 3, 57, 0.1, 12)],
+)
+def test_reports_tell_what_a_march_did_so_that_no_cell_folds(make, kind, seed, number, height, layers):
+    found, loop = list(random_bodies(number + 1, seed))[-1]
     assert found == kind
-    _, report = make(loop, method="hyperbolic", first_height=0.1, layers=12)
+    _, report = make(loop, method="hyperbolic", first_height=height, layers=layers)
     assert report.counts["layers in smaller steps"] > 0
     assert "times as much as asked" in report.warnings[-1]
 
