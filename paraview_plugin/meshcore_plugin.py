@@ -1961,6 +1961,10 @@ class meshcoreHyperbolicGrid(Operation):
       <DoubleRangeDomain name="range" min="0" max="80"/>
       <Documentation>By how much edges that splay lean outwards, in degrees.</Documentation>
     </DoubleVectorProperty>
+    <DoubleVectorProperty name="VolumeSmoothing" label="Volume Smoothing" command="SetVolumeSmoothing" number_of_elements="1" default_values="1.0" panel_visibility="advanced">
+      <DoubleRangeDomain name="range" min="0" max="1"/>
+      <Documentation>Off hollow surfaces: 1 widens all cells of a layer alike, 0 keeps heights.</Documentation>
+    </DoubleVectorProperty>
     <PropertyGroup label="Layers">
       <Property name="FirstHeight"/>
       <Property name="Growth"/>
@@ -1975,6 +1979,9 @@ class meshcoreHyperbolicGrid(Operation):
       <Property name="Edges"/>
       <Property name="EachEdge"/>
       <Property name="Splay"/>
+    </PropertyGroup>
+    <PropertyGroup label="Advanced">
+      <Property name="VolumeSmoothing"/>
     </PropertyGroup>
     """
 )
@@ -2010,6 +2017,9 @@ class meshcoreExtrudeHyperbolic(Operation):
 
     def SetSplay(self, value):
         self.set("splay", value)
+
+    def SetVolumeSmoothing(self, value):
+        self.set("volume_smoothing", value)
 
 
 

@@ -68,12 +68,47 @@ def corner_volumes(below, above, found):
     return np.array(least)
 
 
-def smoothed(strength, weights, found, right):
-    """The solution of d - e L d = right by a dense matrix; weights are those of rings."""
-    n = len(found)
-    matrix = np.eye(n)
+def area_vectors(points, weights, seen):
+    """Weighted sums of the cross products of each node's corners, given as (node, one neighbour, the next)."""
+    i, a, b = seen.T
+    total = np.zeros_like(points)
+    np.add.at(total, i, weights[:, None] * np.cross(points[a] - points[i], points[b] - points[i]))
+    return total
+
+
+def stepped(points, normal, found, free, height, volume, strength, weights, right):
+    """Corrections of a step by a dense matrix, with derivatives by differences, which are exact for products.
+
+    Waves: the area vectors' changes, less (1 + volume) times their part along the normals, in units of the areas;
+    dissipation: e times the weighted mean of the ring.
+    """
+    n = len(points)
+    seen = np.array([(i, a, b) for i, (ring, opened) in enumerate(found) for a, b in corners(ring, opened)])
+    one, two = (points[seen[:, k]] - points[seen[:, 0]] for k in (1, 2))
+    kept = 1 / ((one**2).sum(axis=1) * (two**2).sum(axis=1))
+    area = np.einsum("ij,ij->i", area_vectors(points, kept, seen), normal)
+    scale = np.where(free, 0.0, height / area)[:, None]
+
+    def changes(way):
+        return scale * (area_vectors(points + way, kept, seen) - area_vectors(points - way, kept, seen)) / 2
+
+    def along(vectors):
+        return np.einsum("ij,ij->i", vectors, normal)[:, None] * normal
+
+    matrix = np.zeros((3 * n, 3 * n))
+    for k in range(3 * n):
+        way = np.zeros(3 * n)
+        way[k] = 1.0
+        change = changes(way.reshape(n, 3))
+        matrix[:, k] = way - (change - (1 + volume) * along(change)).ravel()
     for i, (ring, _) in enumerate(found):
-        matrix[i, i] += strength[i]
-        for j, weight in zip(ring, weights[i], strict=True):
-            matrix[i, j] -= strength[i] * weight
-    return np.linalg.solve(matrix, right)
+        for axis in range(3):
+            matrix[3 * i + axis, 3 * i + axis] += strength[i]
+            for j, weight in zip(ring, weights[i], strict=True):
+                matrix[3 * i + axis, 3 * j + axis] -= strength[i] * weight
+    turn = changes(normal) * height
+    widening = np.einsum("ij,ij->i", turn, normal) / height
+    share = np.bincount(seen[:, 0], weights=np.linalg.norm(np.cross(one, two), axis=1))
+    lost = volume * height * (widening - np.average(widening, weights=share))
+    right = right + turn - along(turn) - lost[:, None] * normal
+    return np.linalg.solve(matrix, right.ravel()).reshape(n, 3)

@@ -22,7 +22,7 @@ COMPRESSED, BENT = 4.0, 4.0  # spacing lost, and mean bend of the ring, at which
 
 
 @kernel(inline=True)
-def _corner(points, i, a, b):
+def corner(points, i, a, b):
     """Cross product of the edges from i to a and b, and their lengths squared."""
     ux = points[U(a), 0] - points[U(i), 0]
     uy = points[U(a), 1] - points[U(i), 1]
@@ -36,7 +36,7 @@ def _corner(points, i, a, b):
 
 
 @kernel(inline=True)
-def _held(held, projectors, i, x, y, z):
+def held_vector(held, projectors, i, x, y, z):
     """A vector at node i as the boundary lets it be."""
     row = held[U(i)]
     if row < 0:
@@ -58,7 +58,7 @@ def lowest(points, start, ring, opened, i, x, y, z):
     for k in range(count - opened[U(i)]):
         a = ring[U(begin + k)]
         b = ring[U(begin + (k + 1) % count)]
-        cx, cy, cz, _uu, _vv = _corner(points, i, a, b)
+        cx, cy, cz, _uu, _vv = corner(points, i, a, b)
         size = math.sqrt(cx * cx + cy * cy + cz * cz)
         if size > 0:
             cosine = (cx * x + cy * y + cz * z) / size
@@ -82,12 +82,12 @@ def normals(first, last, points, start, ring, opened, held, projectors, normal):
         for k in range(count - opened[U(i)]):
             a = ring[U(begin + k)]
             b = ring[U(begin + (k + 1) % count)]
-            cx, cy, cz, uu, vv = _corner(points, i, a, b)
+            cx, cy, cz, uu, vv = corner(points, i, a, b)
             scale = 1.0 / (uu * vv)
             x += cx * scale
             y += cy * scale
             z += cz * scale
-        x, y, z = _held(held, projectors, i, x, y, z)
+        x, y, z = held_vector(held, projectors, i, x, y, z)
         size = math.sqrt(x * x + y * y + z * z)
         if size > 0:
             x, y, z = x / size, y / size, z / size
@@ -96,7 +96,7 @@ def normals(first, last, points, start, ring, opened, held, projectors, normal):
             best, bx, by, bz = least, x, y, z
             for k in range(ROUNDS):
                 weight = 1.0 / (1 + k)
-                x, y, z = _held(held, projectors, i, x + weight * wx, y + weight * wy, z + weight * wz)
+                x, y, z = held_vector(held, projectors, i, x + weight * wx, y + weight * wy, z + weight * wz)
                 size = math.sqrt(x * x + y * y + z * z)
                 if size == 0:
                     break
@@ -203,8 +203,8 @@ def narrowing(first, last, points, ahead, start, ring, opened, narrow):
         for k in range(count - opened[U(i)]):
             a = ring[U(begin + k)]
             b = ring[U(begin + (k + 1) % count)]
-            cx, cy, cz, _uu, _vv = _corner(ahead, i, a, b)
-            dx, dy, dz, _uu, _vv = _corner(points, i, a, b)
+            cx, cy, cz, _uu, _vv = corner(ahead, i, a, b)
+            dx, dy, dz, _uu, _vv = corner(points, i, a, b)
             least = min(least, (cx * dx + cy * dy + cz * dz) / (dx * dx + dy * dy + dz * dz))
         narrow[U(i)] = least
 
@@ -257,7 +257,7 @@ def dissipation(
             longest = max(longest, length)
             around = max(around, zone[U(j)])
         inverse /= end - begin
-        x, y, z = _held(held, projectors, i, x, y, z)
+        x, y, z = held_vector(held, projectors, i, x, y, z)
         nx, ny, nz = normal[U(i), 0], normal[U(i), 1], normal[U(i), 2]
         up = x * nx + y * ny + z * nz
         fade = max(FADE, 1 - WIDTH / (inverse * total))
@@ -284,35 +284,6 @@ def dissipation(
 
 
 @kernel
-def sweep(first, last, omega, start, ring, held, projectors, now, strength, right, old, new):
-    """One iteration for the corrections d of a step, d - e L d = right side; returns their largest change.
-
-    L is the Laplacian by the weights of the ring. Jacobi's iteration, with Chebyshev's acceleration by ``omega``
-    towards the iterate before the last, which `new` holds on entry.
-    """
-    largest = 0.0
-    for i in range(first, last):
-        x, y, z = 0.0, 0.0, 0.0
-        for k in range(start[U(i)], start[U(i + 1)]):
-            j = ring[U(k)]
-            w = now[U(k)]
-            x += w * old[U(j), 0]
-            y += w * old[U(j), 1]
-            z += w * old[U(j), 2]
-        e = strength[U(i)]
-        scale = 1.0 / (1.0 + e)
-        x = (right[U(i), 0] + e * x) * scale
-        y = (right[U(i), 1] + e * y) * scale
-        z = (right[U(i), 2] + e * z) * scale
-        x, y, z = _held(held, projectors, i, x, y, z)
-        largest = max(largest, abs(x - old[U(i), 0]), abs(y - old[U(i), 1]), abs(z - old[U(i), 2]))
-        new[U(i), 0] += omega * (x - new[U(i), 0])
-        new[U(i), 1] += omega * (y - new[U(i), 1])
-        new[U(i), 2] += omega * (z - new[U(i), 2])
-    return largest
-
-
-@kernel
 def corner_volumes(first, last, least_height, below, above, start, ring, opened, worst):
     """Least sine of the corners at each node of the cells between two layers; all positive if and only if none folds.
 
@@ -331,8 +302,8 @@ def corner_volumes(first, last, least_height, below, above, start, ring, opened,
         for k in range(count - opened[U(i)]):
             a = ring[U(begin + k)]
             b = ring[U(begin + (k + 1) % count)]
-            cx, cy, cz, uu, vv = _corner(below, i, a, b)
+            cx, cy, cz, uu, vv = corner(below, i, a, b)
             least = min(least, (cx * x + cy * y + cz * z) / (length * math.sqrt(uu * vv)))
-            cx, cy, cz, uu, vv = _corner(above, i, a, b)
+            cx, cy, cz, uu, vv = corner(above, i, a, b)
             least = min(least, (cx * x + cy * y + cz * z) / (length * math.sqrt(uu * vv)))
         worst[U(i)] = least if least == least and length >= least_height else -1.0

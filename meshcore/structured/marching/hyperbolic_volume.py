@@ -18,10 +18,11 @@ from ...threads import checked_threads
 from ..layer_report import layers_told
 from ..limits import check_size
 from .edge_conditions import EdgeChoice, front_edges
+from .front_bends import concavity, is_concave
 from .front_crossing import clear_layers, emptied_layer, overlapping_node
 from .front_graph import FrontGraph, at
 from .layer_cuts import with_cuts
-from .layer_marching import Outcome, first_normals, marched
+from .layer_marching import SOLVED, Outcome, first_normals, marched
 from .layer_surface import LayerSurface, read_surface
 from .marching_parameters import (
     DistanceParam,
@@ -33,10 +34,6 @@ from .marching_parameters import (
     asked_heights,
 )
 
-CONCAVE = 20.0
-"""Degrees by which faces bend towards each other where the surface counts as concave."""
-CONVEX = 1.0
-"""Degrees up to which a surface counts as convex, and its layers cannot meet."""
 _CURE = "give the surface more points there, ask for less distance, or round the corner"
 
 
@@ -66,6 +63,10 @@ def hyperbolic_volume(
         Param("What single edges do, by their names: imin = plane, zmax = splay 20, vertex 7 = free", group="Edges"),
     ] = "",
     splay: SplayParam = 15.0,
+    volume_smoothing: Annotated[
+        float,
+        Param("Off hollow surfaces: 1 widens all cells of a layer alike, 0 keeps heights", min=0, max=1, advanced=True),
+    ] = 1.0,
     threads: int | None = None,
     progress: Progress = silent,
 ) -> Result:
@@ -117,6 +118,10 @@ def hyperbolic_volume(
         edge all of which lies where the surface has its least x, or its largest z. Where two meet, both hold.
     splay : float
         Degrees by which edges that splay lean outwards.
+    volume_smoothing : float
+        How far cells of a layer widen alike where the surface is hollow anywhere: 1 shares all of it, so that layers
+        grow in hollows and lag behind bulges, and fronts round off; 0 keeps the heights that were asked, at each point
+        as well as dissipation lets it. Layers of convex surfaces keep their heights always.
     threads : int, optional
         How many threads share the work; all available cores if not given. The layers do not depend on it.
     progress : Progress, optional
@@ -142,10 +147,12 @@ def hyperbolic_volume(
 
     Notes
     -----
-    Lines orthogonal to the layers, and cell volumes of height times area, give each step along the normals, which are
-    weighted so that they are radial on spheres. The front is then smoothed implicitly. Dissipation is in proportion to
-    a cell's height over its width, acts in whole where the front is concave or narrows, and grows with the distance,
-    so that it rounds corners alike at all distances. Near corners heights differ from what was asked.
+    Lines orthogonal to the layers, and cell volumes of height times area, are Chan and Steger's equations. Each step
+    solves them at its end, linearised about the front, on any ring of neighbours; normals are weighted so that they are
+    radial on spheres. Where the surface is hollow, dissipation in proportion to a cell's height over its width acts in
+    whole where the front is concave or narrows, and grows with the distance, so that it rounds corners alike at all
+    distances; heights near them differ from what was asked. Steps whose equations are not solved to a hundredth of
+    their height are split; `residual` tells what was left.
 
     References
     ----------
@@ -168,7 +175,9 @@ def hyperbolic_volume(
     check_size(len(graph.points), len(heights) + 1, parameter="layers")
     front = front_edges(ready, first_normals(graph), edges, each_edge, splay, guide)
     part = part_of(progress, 0.0, 0.8)
-    made, outcome = marched(front.graph, heights, hold=front.hold, threads=threads, progress=part)
+    made, outcome = marched(
+        front.graph, heights, hold=front.hold, volume_smoothing=volume_smoothing, threads=threads, progress=part
+    )
     advance(progress, 0.8, "checking the layers")
     made, outcome.stopped_at = front.of_surface(made, outcome.stopped_at)
     made = _without_crossings(ready, made, outcome)
@@ -178,6 +187,11 @@ def hyperbolic_volume(
         if len(made) == 1:
             at = np.flatnonzero(ready.number == outcome.stopped_at)
             raise GenerationFailed(f"no layer could be made: {warnings[-1]}", parameter="surface", points=at)
+    if outcome.residual > SOLVED:
+        warnings.append(
+            f"the equations of some steps were solved to {outcome.residual:.2g} of their heights only; the layers are "
+            "sound, but may be less smooth: ask for more of them"
+        )
     result, untold = with_cuts(ready, front.pairs, ready.layered(made))
     return _reported(ready, result, made, heights, outcome, warnings + untold)
 
@@ -237,8 +251,8 @@ def _reported(
         )
         result = ready.marked(result, outcome.stopped_at)
     report = Report(
-        counts=counts, quality=quality, iterations=outcome.sweeps, residual=outcome.residual,
-        converged=outcome.stopped_at < 0, warnings=warnings,
+        counts=counts, quality=quality, iterations=outcome.products, residual=outcome.residual,
+        converged=outcome.stopped_at < 0 and outcome.residual <= SOLVED, warnings=warnings,
     )  # fmt: skip
     return Result(result, report)
 
@@ -263,34 +277,3 @@ def _told_stop(graph: FrontGraph, made: np.ndarray, outcome: Outcome, asked: int
         f"stopped after {len(made) - 1} of {asked} layers: layer {len(made)} {outcome.why} near {at(made[-1, node])}, "
         f"above the surface's point {at(graph.points[node])}{why}; {_CURE}"
     )
-
-
-def concavity(graph: FrontGraph, place: np.ndarray) -> tuple[float, np.ndarray]:
-    """Degrees by which the faces at the nearest concave edge bend towards each other, and its place; 0 if none is."""
-    angle, middle = _bends(graph)
-    concave = np.flatnonzero(angle > CONCAVE)
-    if not len(concave):
-        return 0.0, place
-    nearest = concave[np.argmin(((middle[concave] - place) ** 2).sum(axis=1))]
-    return float(angle[nearest]), middle[nearest]
-
-
-def is_concave(graph: FrontGraph) -> bool:
-    """Whether faces bend towards each other anywhere."""
-    return bool((_bends(graph)[0] > CONVEX).any())
-
-
-def _bends(graph: FrontGraph) -> tuple[np.ndarray, np.ndarray]:
-    """Degrees by which the two faces at each edge inside bend towards each other, and the edge's middle."""
-    count = np.diff(graph.start)
-    node = np.repeat(np.arange(len(count)), count)
-    k = np.arange(len(graph.ring)) - graph.start[node]
-    before = graph.ring[graph.start[node] + (k - 1) % count[node]]
-    after = graph.ring[graph.start[node] + (k + 1) % count[node]]
-    edge, left, right = (graph.points[n] - graph.points[node] for n in (graph.ring, after, before))
-    one, two = np.cross(right, edge), np.cross(edge, left)
-    length = np.linalg.norm(edge, axis=1)
-    sine = np.einsum("ij,ij->i", np.cross(one, two), edge) / length
-    angle = np.degrees(np.arctan2(sine, np.einsum("ij,ij->i", one, two)))
-    inner = (graph.opened[node] == 0) | ((k > 0) & (k < count[node] - 1))
-    return angle[inner], (graph.points[node] + 0.5 * edge)[inner]

@@ -4,29 +4,51 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
 from ...progress import Progress, advance, silent
 from ...threads import Workers, available_threads
 from . import _layer_kernels as kernels
+from .front_bends import concave_curvature
 from .front_edges import Hold, free_edges
 from .front_graph import FrontGraph
+from .layer_equations import LayerEquations
 
-STRENGTHS = ((10.0, 5.0), (1.0, 0.1), (40.0, 20.0))
-"""Coefficients of dissipation: what does for most surfaces, then less, for thin edges, and more, for deep corners."""
+
+class Scheme(NamedTuple):
+    """How a front is held smooth.
+
+    Attributes
+    ----------
+    base, growing : float
+        Coefficients of dissipation.
+    sharing : float
+        Part of the volume smoothing.
+    """
+
+    base: float
+    growing: float
+    sharing: float
+
+
+CALM, FIRM, HARD = Scheme(0.02, 0.0, 0.0), Scheme(10.0, 5.0, 1.0), Scheme(40.0, 20.0, 1.0)
+"""Where lines spread heights are kept at each point; where they meet lines bend and volumes are kept; deep corners."""
+MEETING = 0.1
+"""Distance that is marched, in units of the radius of the sharpest hollow, from which its lines count as meeting."""
 NARROWEST = 0.3
 """Steps are split where a corner of the front would keep less than this part of its area."""
-SWEEPS, ENOUGH = 80, 1e-3
-"""Iterations of a step's equations at most, and their last change, in units of the step's height."""
+SOLVED = 0.01
+"""Steps are split where this part of their height is left of their equations."""
 HALVINGS = 2
 """How often a folded layer is tried again, with twice the steps and the dissipation."""
 SOUND = 1e-4
 """Least sine of a cell's corner."""
 STUCK = 0.1
 """Part of a layer's height that each node must have moved by."""
-NODES_A_THREAD = 2000
-_MOST_STEPS = 200
+NODES_A_THREAD = 2048
+_MOST_STEPS, _MOST_SPLITS = 200, 12
 
 
 @dataclass
@@ -35,10 +57,10 @@ class Outcome:
 
     Attributes
     ----------
-    steps, sweeps : int
-        Steps and iterations that were done.
+    steps, products : int
+        Steps, and products of their equations' matrices with corrections, that were done.
     residual : float
-        Largest last change of the iterations of a step, in units of its height.
+        Most that was left of the equations of a step, in units of its height.
     worst : float
         Least sine of a cell's corner.
     stopped_at : int
@@ -48,7 +70,7 @@ class Outcome:
     """
 
     steps: int = 0
-    sweeps: int = 0
+    products: int = 0
     residual: float = 0.0
     worst: float = 1.0
     stopped_at: int = -1
@@ -68,14 +90,15 @@ def marched(
     heights: Sequence[float],
     *,
     hold: Hold | None = None,
+    volume_smoothing: float = 1.0,
     threads: int | None = None,
     progress: Progress = silent,
 ) -> tuple[np.ndarray, Outcome]:
     """The layers of a surface, as many as can be without a folded cell.
 
     Each node moves along the front's normal, so that lines are orthogonal to layers, by the layer's height, so that
-    cells have the volume of height times area. Then the front is smoothed implicitly, see
-    `_layer_kernels.dissipation`.
+    cells have the volume of height times area. Corrections over that solve the equations implicitly, see
+    `layer_equations`, with dissipation, see `_layer_kernels.dissipation`.
 
     Parameters
     ----------
@@ -85,6 +108,8 @@ def marched(
         Heights of the layers, from the surface.
     hold : Hold, optional
         What edges may do; by default they are free.
+    volume_smoothing : float
+        1 if all cells of a layer widen alike, so that hollows fill and bulges lag, 0 if each as its height asks.
     threads : int, optional
         By default as many as there are cores; layers do not depend on it.
     progress : Progress, optional
@@ -98,14 +123,21 @@ def marched(
     """
     best: tuple[np.ndarray, Outcome] | None = None
     with Workers(threads or available_threads()) as workers:
-        for base, growing in STRENGTHS:
-            march = _March(graph, hold or free_edges(graph), workers, base, growing)
+        for scheme in _schemes(graph, float(sum(heights))):
+            scheme = scheme._replace(sharing=scheme.sharing * volume_smoothing)
+            march = _March(graph, hold or free_edges(graph), workers, scheme)
             layers = march.all(heights, progress)
             if best is None or len(layers) > len(best[0]):
                 best = layers, march.outcome
             if len(layers) == len(heights) + 1:
                 break
     return best
+
+
+def _schemes(graph: FrontGraph, distance: float) -> tuple[Scheme, ...]:
+    """What is tried, until all layers are sound: by whether the surface's lines would meet in that distance."""
+    meeting = concave_curvature(graph) * distance > MEETING
+    return (FIRM, HARD, CALM) if meeting else (CALM, FIRM, HARD)
 
 
 @dataclass
@@ -115,8 +147,7 @@ class _March:
     graph: FrontGraph
     hold: Hold
     workers: Workers
-    base: float
-    growing: float
+    scheme: Scheme
     outcome: Outcome = field(default_factory=Outcome)
 
     def __post_init__(self) -> None:
@@ -124,12 +155,13 @@ class _March:
         n, k = len(graph.points), len(graph.ring)
         self.topology = (graph.start, graph.ring, graph.opened)
         self.held = (self.hold.row, self.hold.projectors)
-        self.normal, self.ahead, self.right, self.old, self.new = (np.zeros((n, 3)) for _ in range(5))
+        self.normal, self.ahead = np.zeros((n, 3)), np.zeros((n, 3))
         self.strength, self.zone, self.new_zone = (np.zeros(n) for _ in range(3))
         self.narrow, self.worst = np.ones(n), np.ones(n)  # of nodes that march; images of them never fold first
         self.weight, self.ratio, self.now = (np.zeros(k) for _ in range(3))
         ends = np.repeat(graph.points, np.diff(graph.start), axis=0)
         self.spacing = np.linalg.norm(graph.points[graph.ring] - ends, axis=1)
+        self.equations = LayerEquations(graph, self.hold, self.workers, self.scheme.sharing)
         self._find_normals(graph.points)
         self._run(kernels.ring_weights, graph.points, self.normal, *self.topology, self.hold.free, self.weight)
         self.hold.weigh(self.weight, graph.start)
@@ -171,51 +203,37 @@ class _March:
     ) -> tuple[np.ndarray, float]:
         """The front after at most that part of a layer's height, and the part that was done."""
         self._find_normals(front)
-        for _ in range(8):
+        rest = 0.0
+        for _ in range(_MOST_SPLITS):
             np.multiply(self.normal, part * height, out=self.ahead)
             self.ahead += front
             self._run(kernels.narrowing, front, self.ahead, *self.topology, self.narrow)
             least = self.narrow.min()
-            if least >= NARROWEST:
+            if least < NARROWEST:
+                part *= max(0.1, min(0.9, (1 - NARROWEST) / (1 - least)))
+                continue
+            rest = self._correct(front, part * height, distance + part * height, factor)
+            if rest <= SOLVED:
                 break
-            part *= max(0.1, min(0.9, (1 - NARROWEST) / (1 - least)))
-        step = part * height
-        self._run(
-            kernels.dissipation, step, distance + step, factor * self.base, factor * self.growing, self.ahead,
-            self.normal, *self.topology, *self.held, self.hold.free, self.weight, self.spacing, self.ratio, self.now,
-            self.zone, self.new_zone, self.strength, self.right,
-        )  # fmt: skip
+            part *= 0.5
         self.zone, self.new_zone = self.new_zone, self.zone
         self.hold.images.set_numbers(self.zone)
-        self._solve(ENOUGH * step)
-        front = self.ahead + self.old
+        self.outcome.residual = max(self.outcome.residual, rest)
+        front = self.ahead + self.equations.solution
         self.hold.settle(front)
         return front, part
 
-    def _solve(self, enough: float) -> None:
-        """Find the corrections of a step, in ``old``."""
-        self.old[:] = 0
-        self.new[:] = 0
-        strongest = float(self.strength.max())
-        squared = (strongest / (1 + strongest)) ** 2
-        omega, accelerated, last = 1.0, True, np.inf
-        for k in range(SWEEPS):
-            change = max(
-                self._run(
-                    kernels.sweep, omega, self.graph.start, self.graph.ring, *self.held, self.now, self.strength,
-                    self.right, self.old, self.new,
-                )
-            )  # fmt: skip
-            self.old, self.new = self.new, self.old
-            self.hold.images.set_vectors(self.old)
-            self.outcome.sweeps += 1
-            if change <= enough:
-                break
-            # Weights that are not symmetric may have complex eigenvalues; Jacobi's iteration converges always.
-            accelerated &= k == 0 or change <= 1.2 * last
-            last = change
-            omega = 1.0 if not accelerated else 1 / (1 - squared / (2 if k == 0 else 4 / omega))
-        self.outcome.residual = max(self.outcome.residual, change / enough * ENOUGH)
+    def _correct(self, front: np.ndarray, step: float, total: float, factor: float) -> float:
+        """Find the corrections of a step; returns what is left of its equations, in units of its height."""
+        equations = self.equations
+        self._run(
+            kernels.dissipation, step, total, factor * self.scheme.base, factor * self.scheme.growing, self.ahead,
+            self.normal, *self.topology, *self.held, self.hold.free, self.weight, self.spacing, self.ratio, self.now,
+            self.zone, self.new_zone, self.strength, equations.right,
+        )  # fmt: skip
+        rest, products = equations.solve(step, front, self.normal, self.now, self.strength)
+        self.outcome.products += products
+        return rest
 
     def _find_normals(self, front: np.ndarray) -> None:
         self.hold.aim(front)

@@ -8,7 +8,7 @@ import pytest
 import meshcore as mc
 from meshcore import gallery, quality
 from meshcore.errors import InvalidInput
-from meshcore.structured.marching import layer_marching
+from meshcore.structured.marching import layer_equations
 
 PERIODIC = "imin = periodic, imax = periodic"
 
@@ -44,8 +44,8 @@ def whole(part, parts):
 @pytest.fixture
 def exactly(monkeypatch):
     """Steps whose equations are solved to round-off."""
-    monkeypatch.setattr(layer_marching, "ENOUGH", 1e-13)
-    monkeypatch.setattr(layer_marching, "SWEEPS", 3000)
+    monkeypatch.setattr(layer_equations, "ENOUGH", 1e-13)
+    monkeypatch.setattr(layer_equations, "ITERATIONS", 300)
 
 
 @pytest.mark.parametrize("other_side", [False, True])
