@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property, partial
 from typing import Literal
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from ...errors import InvalidGeometry, InvalidInput
 from ...mesh import MultiBlock, StructuredGrid
+from ...mesh.cuts import free_sides
 from ...quality.vectors import cross, dot
 from .joined_lines import JoinedLines, Where
 from .stencils import STENCILS, Stencil
@@ -203,14 +205,14 @@ def _products(vectors: np.ndarray) -> np.ndarray:
     return np.stack([np.stack([dot(u, v) for v in vectors]) for u in vectors])
 
 
-def _check_lines(grid: StructuredGrid, order: int, periods: tuple[int, ...]) -> None:
-    """Raise if a line has too few points, or one that should be closed is not."""
+def _check_lines(grid: StructuredGrid, order: int, periods: tuple[int, ...], ends: Sequence[int] = (0, 1, 2)) -> None:
+    """Raise if a line that ends here, along one of the axes `ends`, has too few points, or a closed one is open."""
     needed = STENCILS[order].derivative.needed + 1  # of cells, too, as many as ghosts are made of
     for axis, (n, period) in enumerate(zip(grid.shape, periods, strict=True)):
         if axis == 2 and grid.is_surface:
             continue
         name = "ijk"[axis]
-        if not period and n < needed:
+        if axis in ends and not period and n < needed:
             raise InvalidInput(
                 f"has {n} points along {name}; order {order} needs {needed}, or a periodic direction", parameter="grid"
             )
@@ -225,9 +227,11 @@ def _check_lines(grid: StructuredGrid, order: int, periods: tuple[int, ...]) -> 
 def _joined_lines(grid: StructuredGrid | MultiBlock, order: int, blocks: tuple[StructuredGrid, ...]) -> JoinedLines:
     if any(cut.moves for cut in grid.joins):
         raise InvalidInput("has sides that are moved into each other; the operators take none", parameter="grid")
-    for block in blocks:
-        _check_lines(block, order, (0, 0, 0))
-    return JoinedLines([block.shape for block in blocks], grid.joins)
+    shapes = [block.shape for block in blocks]
+    ends = {(block, axis) for block, axis, _, free in free_sides(shapes, grid.joins) if free.any()}
+    for number, block in enumerate(blocks):
+        _check_lines(block, order, (0, 0, 0), [axis for axis in range(3) if (number, axis) in ends])
+    return JoinedLines(shapes, grid.joins)
 
 
 def check_sign(values: list[np.ndarray], name: str, of: Literal["points", "cells"]) -> None:
