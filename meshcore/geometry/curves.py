@@ -89,8 +89,11 @@ def numbered_polyline(curve: Curve, parameter: str = "curve") -> tuple[np.ndarra
         pieces = chains(curve)
         if len(pieces) != 1:
             ends = sorted({int(p) for piece in pieces for p in (piece[0], piece[-1])})
+            loops = sum(int(piece[0] == piece[-1]) for piece in pieces)
+            found = f"{len(pieces)}, of which {loops} closed" if loops else len(pieces)
+            cure = "give one alone" if loops == len(pieces) else "join its ends or give one curve"
             raise InvalidGeometry(
-                f"needs one chain of line cells, got {len(pieces)}; join its ends or give one curve",
+                f"needs one chain of line cells, got {found}; {cure}",
                 parameter=parameter,
                 points=ends,
             )

@@ -37,7 +37,9 @@ def test_chains_end_at_branches():
 
 def test_a_polyline_is_one_piece():
     two = Mesh([[0, 0], [1, 0], [5, 0], [6, 0]], {"line": [[0, 1], [2, 3]]})
-    with pytest.raises(InvalidGeometry, match="south: needs one chain of line cells, got 2") as caught:
+    with pytest.raises(InvalidGeometry, match="chain of line cells, got 2, of which 2 closed; give one alone"):
+        curves.polyline(gallery.square_with_hole())
+    with pytest.raises(InvalidGeometry, match="south: needs one chain of line cells, got 2; join its ends") as caught:
         curves.polyline(two, "south")
     assert caught.value.points == (0, 1, 2, 3)
 
