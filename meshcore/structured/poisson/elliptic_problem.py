@@ -60,6 +60,8 @@ class Asked:
         Cycles after which to give up.
     threads : int or None
         How many may work.
+    shares : sequence of float
+        Of the control functions, tried in turn as long as cells stay folded or nothing converges.
     give_up : float
         Share of folded cells from which on neither less control nor unfolding is tried.
     """
@@ -73,6 +75,7 @@ class Asked:
     residual: float | None = None
     most_cycles: int = MOST_CYCLES
     threads: int | None = None
+    shares: Sequence[float] = SHARES
     give_up: float = 1.0
 
     def growth(self, points: np.ndarray, cyclic: bool) -> np.ndarray | None:
@@ -232,7 +235,7 @@ def _planar(points: np.ndarray, cyclic: bool, asked: Asked, progress: Progress) 
     sign = orientation(points)
     if min(points.shape[:2]) < 3:
         return without_inside(points, asked)
-    for share in SHARES if growth is not None else (1.0,):
+    for share in asked.shares if growth is not None else (1.0,):
         found = _once(points, None if growth is None else share * growth, cyclic, asked, progress)
         folded = curable_cells(found.points, sign, cyclic=cyclic)
         if folded.mean() > asked.give_up:

@@ -12,7 +12,7 @@ from ...quality import summary, validate
 from ...report import Report, Result
 from ..folds import folded_cells, refuse_folds
 from ..layer_report import layers_told, worst_skew
-from .first_heights import with_first_heights
+from .first_heights import WITHIN, with_first_heights
 from .respacing import respaced
 from .section_smoothing import ANGLES, first_heights, smoothed, wall_of
 
@@ -61,7 +61,7 @@ def finished(
     GenerationFailed
         If cells are folded; `cells` and `partial` show where.
     """
-    history: dict = {}
+    history: dict = {"converged": False} if method == "elliptic" else {}
     wanted = np.full(grid.shape[0], told["first height"]) if heights is None else heights
     if past:
         wanted = first_heights(grid, past)
@@ -92,7 +92,7 @@ def finished(
 
 
 def _evenly_growing(grid: StructuredGrid, heights: np.ndarray, past: int, wake: int) -> StructuredGrid:
-    """The grid with its layers beyond the first ``past`` respaced, unless that makes cells much worse."""
+    """The grid with its layers beyond the first ``past`` respaced, unless that makes cells much worse or heights."""
     lines = grid.points[:, past:, 0]
     found = respaced(lines, heights, slice(wake, len(lines) - wake))
     if found is None:
@@ -101,7 +101,8 @@ def _evenly_growing(grid: StructuredGrid, heights: np.ndarray, past: int, wake: 
         found[-1] = found[0]
     even = grid.with_points(np.concatenate([grid.points[:, :past], found[:, :, None]], axis=1))
     worst = [0.0 if folded_cells(g.points[:, :, 0]).any() else summary(g)[_WORST] for g in (even, grid)]
-    return even if worst[0] > _WORSE * worst[1] else grid
+    off = [float(np.abs(first_heights(g, past) / heights - 1).max()) for g in (even, grid)]
+    return even if worst[0] > _WORSE * worst[1] and off[0] <= max(off[1], WITHIN) else grid
 
 
 def _of_walls(grid: StructuredGrid, wake: int) -> np.ndarray:

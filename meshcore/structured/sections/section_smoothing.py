@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from .first_heights import with_first_heights
 
 ANGLES = "error of wall angles (degree)"
 _HOPELESS = 0.02
-"""Share of folded cells from which on a wall is not tried with less control, nor cells unfolded one by one."""
+"""Share of folded cells from which on they are not unfolded one by one."""
 _DEEPER, _FEWEST = (1.0, 4.0), 8
 """Heights, in edges of the wall, of layers that stay where the wall cannot be held, and the fewest layers beyond."""
 
@@ -33,7 +34,8 @@ def smoothed(
         The start.
     wall : Wall, optional
         It is held, after a first smoothing if the start has folded cells. If it cannot be held everywhere layers of the
-        start stay, and what is beyond is smoothed; if that folds cells the wall is left free.
+        start stay, and what is beyond is smoothed. If that folds cells, too, the start stays, or, if that is folded,
+        the first smoothing, whose wall is free.
     cure : str
         What to do about folded cells.
     progress : Progress
@@ -55,17 +57,20 @@ def smoothed(
             return _or_start(grid, free, cure)
         lines = with_first_heights(free[0].points[:, :, 0], wall.first_height)
         grid = grid.with_points(lines[:, :, None])
-    made = []
-    for stay in (0, *_deeper(grid)):
+    deeper, made = _deeper(grid), []
+    for stay in (0, *deeper):
         if (found := _held(grid, wall, stay, progress)) is not None:
             made.append(found)
-            if found[0] == 0:
+            if found[0] == (0.0, False):
                 break
+    for stay in deeper if not made else ():
+        if (found := _held(grid, wall, stay, progress, free=True)) is not None:
+            return found[1:]
     if made:
         return min(made, key=lambda found: found[0])[1:]
-    found, report, warnings = _or_start(grid, free or _solved(grid, [], progress), cure)
+    found, report, warnings = _or_start(grid, free, cure)
     told = "angles and heights at the wall could not be held without folding cells; left free"
-    return found, report, [told, *warnings]
+    return found, report, warnings if report is None else [told, *warnings]
 
 
 def _or_start(
@@ -88,23 +93,24 @@ def _deeper(grid: StructuredGrid) -> list[int]:
 
 
 def _held(
-    grid: StructuredGrid, wall: Wall, stay: int, progress: Progress
-) -> tuple[float, StructuredGrid, Report, list[str]] | None:
-    """What the wall misses, the grid beyond layers that stay with its wall held, and its report; None if it folds.
+    grid: StructuredGrid, wall: Wall, stay: int, progress: Progress, *, free: bool = False
+) -> tuple[tuple[float, bool], StructuredGrid, Report, list[str]] | None:
+    """What the wall misses, the grid smoothed beyond layers that stay, and its report; None if it folds.
 
-    Missed is the share of first heights that are wrong, and 1 more if the control has not converged.
+    The last layer that stays is the wall there, and is held, or left ``free`` but for first heights. Missed is the
+    share of first heights that are wrong, and whether the control has not converged.
     """
     outside = grid if stay == 0 else replace(grid, points=grid.points[:, stay:], cuts=())
     own = wall if stay == 0 else wall_of(outside, np.ones(len(grid.points)))
-    if (made := _solved(outside, [own], progress, give_up=_HOPELESS)) is None:
+    if (made := _solved(outside, [] if free else [own], progress, shares=(1.0,), give_up=_HOPELESS)) is None:
         return None
     found, report = made
     lines = with_first_heights(found.points[:, :, 0], own.first_height)
     found = grid.with_points(np.concatenate([grid.points[:, :stay], lines[:, :, None]], axis=1))
     wrong = np.abs(first_heights(found, 0) / wall.first_height - 1) > HEIGHT_WITHIN
-    if not wrong.any():
+    if not free and not wrong.any():
         report = _with_heights_met(report)
-    missed = float(wrong.mean()) + (not report.converged)
+    missed = float(wrong.mean()), not report.converged
     if stay == 0:
         return missed, found, report, list(report.warnings)
     told = f"the wall could not be held everywhere; {stay} layers on it stay as they were"
@@ -121,11 +127,11 @@ def _with_heights_met(report: Report) -> Report:
 
 
 def _solved(
-    grid: StructuredGrid, walls: list[Wall], progress: Progress, give_up: float = 1.0
+    grid: StructuredGrid, walls: list[Wall], progress: Progress, **limits: Any
 ) -> tuple[StructuredGrid, Report] | None:
     """The elliptic grid and its report; None if it folds."""
     try:
-        return solved(grid, Asked(control="boundary spacing", walls=walls, give_up=give_up), progress)
+        return solved(grid, Asked(control="boundary spacing", walls=walls, **limits), progress)
     except (GenerationFailed, InvalidGeometry):
         return None
 
