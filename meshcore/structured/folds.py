@@ -116,12 +116,24 @@ def _corner_edges(points: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]
 def _folded_in_plane(points: np.ndarray, normal: np.ndarray) -> np.ndarray:
     first = np.cross(np.eye(3)[np.argmin(np.abs(normal))], normal)
     axes = np.array([first, np.cross(normal, first)]) / np.linalg.norm(first)
-    folded = np.zeros((4, len(points) - 1, points.shape[1] - 1), bool)
-    for corner, (edge, back) in enumerate(_corner_edges((points - points[0, 0]) @ axes.T)):
-        cross = edge[..., 0] * back[..., 1] - edge[..., 1] * back[..., 0]
-        size = np.hypot(edge[..., 0], edge[..., 1]) * np.hypot(back[..., 0], back[..., 1])
-        folded[corner] = cross <= FLAT * size
-    return beside_poles(folded, points).any(axis=0)
+    cross, size = corner_products((points - points[0, 0]) @ axes.T)
+    return beside_poles(cross <= FLAT * size, points).any(axis=0)
+
+
+def corner_products(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Two (4, ni - 1, nj - 1): cross product and product of lengths of the edges at cells' corners; planar points.
+
+    Examples
+    --------
+    >>> cross, size = corner_products(np.array([[[0.0, 0], [0, 1]], [[2, 0], [2, 1]]]))
+    >>> (cross / size).ravel()
+    array([1., 1., 1., 1.])
+    """
+    cross, size = np.empty((2, 4, len(points) - 1, points.shape[1] - 1))
+    for corner, (edge, back) in enumerate(_corner_edges(points)):
+        cross[corner] = edge[..., 0] * back[..., 1] - edge[..., 1] * back[..., 0]
+        size[corner] = np.hypot(edge[..., 0], edge[..., 1]) * np.hypot(back[..., 0], back[..., 1])
+    return cross, size
 
 
 def beside_poles(corners: np.ndarray, points: np.ndarray) -> np.ndarray:

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from ...errors import InvalidInput
 from ...mesh.structured_grid import FACES
 from ...progress import Progress, advance, silent
 from .sliding import Slide
+from .wall_outcome import Controlled
 from .winslow import SIDES, full_multigrid, safe_cycle
 from .winslow_levels import Levels
 
@@ -190,37 +192,64 @@ def _away_from(sharp: np.ndarray, length: np.ndarray, height: np.ndarray, closed
 
 
 @dataclass
-class _Control:
-    """The state of one wall's control: amplitudes t and u over its nodes."""
+class WallAmplitudes:
+    """The state of one wall's control, in a plane or on a surface: amplitudes t and u over its nodes."""
 
     wall: Wall
     closed: bool
     fall: float
     growth: np.ndarray
     lean: np.ndarray
-    slide: Slide | None = None
+    most: ClassVar[float] = LARGEST_CONTROL
 
-    def step(self, found: Measured, *, first: bool) -> None:
+    @classmethod
+    def of(cls, wall: Wall, shape: tuple[int, ...], cyclic: bool, others: Sequence[Wall]) -> WallAmplitudes:
+        """Amplitudes that do nothing yet, at a wall of a grid of (ni, nj) points that has others."""
+        n, out = shape if wall.side in ("south", "north") else shape[::-1]
+        reach = (out - 1) / (2 if OPPOSITE[wall.side] in [other.side for other in others] else 1)
+        return cls(wall, cyclic and wall.side in ("south", "north"), GROWTH_REACH / reach, np.zeros(n), np.zeros(n))
+
+    @property
+    def leans(self) -> bool:
+        """Whether the angle is made by these amplitudes."""
+        return self.wall.angle is not None
+
+    def step(self, have: Measured, *, first: bool) -> None:
         """Move the amplitudes against what is wrong."""
         if self.wall.first_height is not None:
-            step = height_step(found.height, self.wall.first_height, first)
-            self.growth = limited(self.growth + self.fall * step, LARGEST_IN_PLANE)
-        if self.wall.angle is not None and self.slide is None:
-            self.lean = limited(self.lean + lean_step(found.angle, self.wall.angle), LARGEST_IN_PLANE)
+            step = height_step(have.height, self.wall.first_height, first)
+            self.growth = limited(self.growth + self.fall * step, self.most)
+        if self.leans:
+            self.lean = limited(self.lean + lean_step(have.angle, self.wall.angle), self.most)
         if self.closed:
             self.growth[-1], self.lean[-1] = self.growth[0], self.lean[0]
 
-    def add(self, theta: np.ndarray, r: np.ndarray, unit: np.ndarray) -> None:
-        """Add the control functions to (2, ni, nj) logarithms of growth."""
-        side = self.wall.side
-        along, normal = (0, 1) if side in ("south", "north") else (1, 0)
-        outwards = 1.0 if side in ("south", "west") else -1.0
-        view = from_wall(theta, side)
-        lines = from_wall(r, side)
-        distance = np.zeros(lines.shape[1:])
-        np.cumsum(np.hypot(*np.diff(lines, axis=2)), axis=1, out=distance[:, 1:])
-        view[normal] += outwards * self.growth[:, None] * np.exp(-self.fall * np.arange(lines.shape[2]))
-        view[along] += self.lean[:, None] * np.exp(-LEAN_REACH * distance / unit[:, None])
+    def add(self, theta: np.ndarray, have: Measured, distance: np.ndarray) -> None:
+        """Add the control functions to (2, ni, nj) logarithms of growth; ``distance`` is that along lines."""
+        along, normal = (0, 1) if self.wall.side in ("south", "north") else (1, 0)
+        outwards = 1.0 if self.wall.side in ("south", "west") else -1.0
+        view = from_wall(theta, self.wall.side)
+        unit = np.maximum(have.spacing, have.height)[:, None]
+        view[normal] += outwards * self.growth[:, None] * np.exp(-self.fall * np.arange(view.shape[2]))
+        view[along] += self.lean[:, None] * np.exp(-LEAN_REACH * distance / unit)
+
+
+class _Control(WallAmplitudes):
+    """Of a wall in a plane, along which points may slide instead of leaning lines."""
+
+    most = LARGEST_IN_PLANE
+    slide: Slide | None = None
+
+    @property
+    def leans(self) -> bool:
+        return super().leans and self.slide is None
+
+    def distance(self, r: np.ndarray) -> np.ndarray:
+        """(n, m) distance of nodes from the wall along lines."""
+        lines = from_wall(r, self.wall.side)
+        away = np.zeros(lines.shape[1:])
+        np.cumsum(np.hypot(*np.diff(lines, axis=2)), axis=1, out=away[:, 1:])
+        return away
 
 
 def judged(walls: Sequence[Wall], found: Sequence[Measured]) -> Controlled:
@@ -259,59 +288,6 @@ def limited(amplitude: np.ndarray, most: float = LARGEST_CONTROL) -> np.ndarray:
     return np.clip(amplitude, -most, most)
 
 
-@dataclass(frozen=True)
-class Controlled:
-    """How the control of walls went.
-
-    Attributes
-    ----------
-    history : tuple of float
-        Residuals, in units of the start's.
-    angle, height : float
-        Largest errors where they count: degrees, and a share of the height.
-    converged : bool
-        Whether all of these are small enough.
-    good : float, optional
-        Share of the points that count where both errors are.
-    judged : float
-        Share of the points that count.
-    asked : (bool, bool)
-        Whether angles, and whether first heights are asked for.
-    """
-
-    history: tuple[float, ...]
-    angle: float
-    height: float
-    converged: bool
-    good: float | None = None
-    judged: float = 1.0
-    asked: tuple[bool, bool] = (True, True)
-
-    @property
-    def quality(self) -> dict[str, float]:
-        """What reports say."""
-        angles, heights = self.asked
-        quality = {"error of wall angles (degree)": float(self.angle)} if angles else {}
-        quality |= {"error of first heights (%)": 100 * float(self.height)} if heights else {}
-        quality |= {"points at walls that are judged (%)": 100 * self.judged}
-        return quality if self.good is None else {**quality, "points at walls as asked (%)": 100 * self.good}
-
-    @property
-    def warnings(self) -> list[str]:
-        """What users are told."""
-        if self.converged:
-            return []
-        after = f" after {len(self.history) - 2} steps" if len(self.history) > 2 else ""
-        angles, heights = self.asked
-        off = [f"angles are off by up to {self.angle:.3g} degrees"] if angles else []
-        off += [f"heights {'' if angles else 'are off '}by up to {self.height:.1%}"] if heights else []
-        return [
-            f"walls not controlled{after}: {', '.join(off)}"
-            + ("" if self.good is None else f", {self.good:.2%} of the points that are judged are as asked")
-            + "; space the sides that end at walls by the first height, take more cells, or ask for less"
-        ]
-
-
 def controlled(
     levels: Levels,
     walls: list[Wall],
@@ -344,7 +320,7 @@ def controlled(
         theta = growth.copy()
         for control, have in zip(controls, found, strict=True):
             control.step(have, first=step == 0)
-            control.add(theta, r, np.maximum(have.spacing, have.height))
+            control.add(theta, have, control.distance(r))
             if control.slide is not None:
                 control.slide.step(from_wall(r, control.wall.side), have, control.wall.angle, control.closed)
         finest.wrap()
@@ -370,12 +346,8 @@ def _controls(levels: Levels, walls: list[Wall]) -> list[_Control]:
     """A control of each wall, that does nothing yet."""
     finest = levels.levels[0]
     points = finest.points_without_ghosts
-    controls = []
-    for wall in walls:
-        lines = from_wall(points, wall.side)
-        along, out = lines.shape[1:]
-        reach = (out - 1) / (2 if OPPOSITE[wall.side] in [other.side for other in walls] else 1)
-        closed = finest.cyclic and wall.side in ("south", "north")
-        slide = Slide(lines[..., 0]) if wall.slides else None
-        controls.append(_Control(wall, closed, GROWTH_REACH / reach, np.zeros(along), np.zeros(along), slide))
+    controls = [_Control.of(wall, points.shape[1:], finest.cyclic, walls) for wall in walls]
+    for control in controls:
+        if control.wall.slides:
+            control.slide = Slide(from_wall(points, control.wall.side)[..., 0])
     return controls

@@ -25,13 +25,13 @@ from .wall_control import (
     PATIENCE,
     RESIDUAL_WITHIN,
     ROUNDING,
-    Controlled,
     Wall,
     height_step,
     lean_step,
     limited,
     what_is_asked,
 )
+from .wall_outcome import Controlled
 from .winslow_3d import FIRST_CELLS, set_growth
 
 LEAST_CELLS = 16

@@ -6,7 +6,7 @@ the angles that edges make in the tangent planes of the surface, and measured th
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,23 +15,19 @@ from .multigrid import GROWTH, ROUNDING, Outcome, cycle, first_level, full_multi
 from .surface_levels import OnSurface, set_growth
 from .wall_control import (
     ANGLE_WITHIN,
-    GROWTH_REACH,
     HEIGHT_WITHIN,
-    LEAN_REACH,
     MOST_STEPS,
-    OPPOSITE,
     PATIENCE,
     RESIDUAL_WITHIN,
-    Controlled,
     Measured,
     Wall,
+    WallAmplitudes,
     from_wall,
-    height_step,
     judged,
-    lean_step,
     limited,
     measured,
 )
+from .wall_outcome import Controlled
 
 FEWEST_CELLS = 16
 """Cells that a direction keeps on all levels: coarser ones cannot hold a control function that falls off in a few."""
@@ -99,21 +95,8 @@ def _angle(normal: np.ndarray, one: np.ndarray, other: np.ndarray) -> np.ndarray
     return np.arctan2(across, along)
 
 
-@dataclass
-class _Control:
-    """The state of one wall's control: amplitudes over its nodes."""
-
-    wall: Wall
-    closed: bool
-    fall: float
-    growth: np.ndarray
-    lean: np.ndarray
-
-    @classmethod
-    def of(cls, wall: Wall, shape: tuple[int, ...], cyclic: bool, others: list[str]) -> _Control:
-        n, out = shape if wall.side in ("south", "north") else shape[::-1]
-        reach = (out - 1) / (2 if OPPOSITE[wall.side] in others else 1)
-        return cls(wall, cyclic and wall.side in ("south", "north"), GROWTH_REACH / reach, np.zeros(n), np.zeros(n))
+class _Control(WallAmplitudes):
+    """Of a wall on a surface, which is measured in a plane that the surface beside it is laid out in."""
 
     def found(self, points: np.ndarray, normals: np.ndarray) -> tuple[Measured, np.ndarray]:
         """What the wall has, and the distances of nodes from it along lines."""
@@ -126,24 +109,6 @@ class _Control:
             distance = distance[inner]
         return have, distance
 
-    def step(self, have: Measured, *, first: bool) -> None:
-        """Move the amplitudes against what is wrong."""
-        if self.wall.first_height is not None:
-            self.growth = limited(self.growth + self.fall * height_step(have.height, self.wall.first_height, first))
-        if self.wall.angle is not None:
-            self.lean = limited(self.lean + lean_step(have.angle, self.wall.angle))
-        if self.closed:
-            self.growth[-1], self.lean[-1] = self.growth[0], self.lean[0]
-
-    def add(self, theta: np.ndarray, have: Measured, distance: np.ndarray) -> None:
-        """Add the control functions to (2, ni, nj) logarithms of growth."""
-        along, normal = (0, 1) if self.wall.side in ("south", "north") else (1, 0)
-        outwards = 1.0 if self.wall.side in ("south", "west") else -1.0
-        view = from_wall(theta, self.wall.side)
-        unit = np.maximum(have.spacing, have.height)[:, None]
-        view[normal] += outwards * self.growth[:, None] * np.exp(-self.fall * np.arange(view.shape[2]))
-        view[along] += self.lean[:, None] * np.exp(-LEAN_REACH * distance / unit)
-
 
 def controlled(
     levels: list[OnSurface], walls: list[Wall], growth: np.ndarray, *, progress: Progress = silent
@@ -155,8 +120,7 @@ def controlled(
     unit = max(finest.residual(), ROUNDING / RESIDUAL_WITHIN)
     set_growth(levels, growth)
     full_multigrid(levels, first_level(levels, 2 * FEWEST_CELLS), outcome)
-    names = [wall.side for wall in walls]
-    controls = [_Control.of(wall, growth.shape[1:], finest.cyclic, names) for wall in walls]
+    controls = [_Control.of(wall, growth.shape[1:], finest.cyclic, walls) for wall in walls]
     cycles = _Cycles(levels, outcome)
     residuals, worst = [unit, finest.residual()], []
     for step in range(MOST_STEPS):

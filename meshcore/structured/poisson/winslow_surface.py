@@ -11,8 +11,9 @@ from ...threads import Workers
 from .control_functions import from_boundary
 from .multigrid import Outcome, first_level, solve
 from .surface_levels import levels_on
-from .wall_control import Controlled, Wall
+from .wall_control import Wall
 from .wall_control_surface import FEWEST_CELLS, controlled
+from .wall_outcome import Controlled
 
 FIRST_CELLS = 32
 """Full multigrid begins on the coarsest grid with so many cells in each direction, or as many as there are."""

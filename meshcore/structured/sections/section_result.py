@@ -10,7 +10,7 @@ from ...mesh import StructuredGrid
 from ...progress import Progress, advance
 from ...quality import summary, validate
 from ...report import Report, Result
-from ..folds import folded_cells, refuse_folds
+from ..folds import corner_products, folded_cells, refuse_folds
 from ..layer_report import layers_told, worst_skew
 from .first_heights import WITHIN, with_first_heights
 from .respacing import respaced
@@ -118,9 +118,5 @@ def scaled_jacobians(points: np.ndarray) -> np.ndarray:
     >>> scaled_jacobians(np.array([[[0.0, 0], [0, 1]], [[1, 0], [1, 1]]]))
     array([[1.]])
     """
-    quad = np.stack([points[:-1, :-1], points[1:, :-1], points[1:, 1:], points[:-1, 1:]])
-    edge = np.roll(quad, -1, axis=0) - quad
-    back = -np.roll(edge, 1, axis=0)
-    cross = edge[..., 0] * back[..., 1] - edge[..., 1] * back[..., 0]
-    size = np.linalg.norm(edge, axis=-1) * np.linalg.norm(back, axis=-1)
+    cross, size = corner_products(points)
     return (cross / np.maximum(size, 1e-300)).min(axis=0)  # points that are one make flat cells

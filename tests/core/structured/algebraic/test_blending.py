@@ -233,7 +233,7 @@ def test_laws_and_single_spacings_of_sides():
         ({"lines": [[[0, 0], [1, 1]]]}, InvalidGeometry, "lines", "corner"),
         ({"lines": [[[0.4, 0], [0.6, 1]], [[0.6, 0], [0.4, 1]]]}, InvalidGeometry, "lines", "0 and 1 cross"),
         ({"lines": [[[0.5, 0], [0.5, 1]]], "cells_i": 1}, InvalidInput, "cells_i", "too few for 1 lines"),
-        ({"lines": [[[float("nan"), 0], [0.5, 1]]]}, InvalidGeometry, "points", "finite|nan"),
+        ({"lines": [[[float("nan"), 0], [0.5, 1]]]}, InvalidGeometry, "lines", "finite|nan"),
         ({"lines": [[[0.5, 0]]]}, InvalidGeometry, "lines", "two different points"),
         ({"slopes": {"west": np.zeros((5, 3))}}, InvalidInput, "slopes", "cubic"),
         ({"slopes": {"west": np.zeros((4, 3))}, "blending": "cubic"}, InvalidInput, "slopes", "4 vectors for 5 points"),

@@ -6,7 +6,8 @@ import pytest
 import meshcore as mc
 from meshcore import gallery
 from meshcore.errors import InvalidInput
-from meshcore.structured.poisson.wall_control import Controlled, Wall, measured
+from meshcore.structured.poisson.wall_control import Wall, measured
+from meshcore.structured.poisson.wall_outcome import Controlled
 
 
 def channel(ni, nj, height):
