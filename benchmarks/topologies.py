@@ -1,6 +1,6 @@
 """O-, C- and H-grids round any section by every method: what became of them, skew, growth, first heights, seconds.
 
-``python benchmarks/topologies.py [--quick] [--number 100] [--seed 1] [--airfoils FOLDER] [--every 1]``
+``python benchmarks/topologies.py [--quick] [--number 100] [--seed 1] [--airfoils FOLDER] [--every 1] [--sweep OC]``
 
 Without a folder of ``.dat`` files the airfoils that meshcore ships are taken, on their own points. No parameter is
 touched in the first table; random sections come with default parameters, then with random first heights, y+, numbers of
@@ -33,6 +33,9 @@ from tests.sections import random_sections
 METHODS = ("transfinite", "elliptic", "hyperbolic", "parabolic")
 GROWTH = Target(2.0, 0.5, at_most=True)
 NONE = Target(0, at_most=True)
+HEIGHTS = (1e-3, 1e-4, 1e-5, 1e-6)
+AROUND = (None, 128, 256)
+"""Cells round an airfoil; None for its own points."""
 MAKERS = {"O": o_grid, "C": c_grid, "H": h_grid}
 
 
@@ -47,6 +50,7 @@ class Outcome(NamedTuple):
     highest: float = 1.0
     growth: float = 0.0
     seconds: float = 0.0
+    converged: bool = True
 
 
 def made(topology: str, section: Any, method: str, **options: Any) -> Outcome:
@@ -65,9 +69,8 @@ def made(topology: str, section: Any, method: str, **options: Any) -> Outcome:
     skew = max(float(90 - line_angle(block)[:, 1:-1].min()) for block in blocks)
     jacobian = report.quality["worst scaled jacobian"]
     lowest, highest, growth = _heights(blocks[0], report, topology)
-    return Outcome(
-        "fell back" if fell else "made", "; ".join(report.warnings), skew, jacobian, lowest, highest, growth, seconds
-    )
+    told = "fell back" if fell else "made", "; ".join(report.warnings)
+    return Outcome(*told, skew, jacobian, lowest, highest, growth, seconds, report.converged)
 
 
 def _heights(grid: StructuredGrid, report: Any, topology: str) -> tuple[float, float, float]:
@@ -97,8 +100,8 @@ def airfoils(folder: str | None) -> Iterator[tuple[str, np.ndarray]]:
 def each_airfoil(named: Iterable[tuple[str, Any]]) -> None:
     """A row for each airfoil, topology and method."""
     print_row(
-        "airfoil", "grid", "method", "outcome", "worst skew", "scaled Jacobian", "first heights", "growth (%)", "s",
-        head=True,
+        "airfoil", "grid", "method", "outcome", "worst skew", "scaled Jacobian", "first heights", "growth (%)",
+        "converged", "s", head=True,
     )  # fmt: skip
     for name, section in named:
         for topology in MAKERS:
@@ -106,10 +109,40 @@ def each_airfoil(named: Iterable[tuple[str, Any]]) -> None:
                 o = made(topology, section, method)
                 print_row(
                     name, topology, method, o.word, f"{o.skew:.1f}", f"{o.jacobian:.3f}",
-                    f"{o.lowest:.3f}, {o.highest:.3f}", GROWTH.verdict(o.growth), f"{o.seconds:.2f}",
+                    f"{o.lowest:.3f}, {o.highest:.3f}", GROWTH.verdict(o.growth), "yes" if o.converged else "NO",
+                    f"{o.seconds:.2f}",
                 )  # fmt: skip
                 if o.message:
                     print(f"    {o.message}")
+
+
+def sweep(named: Iterable[tuple[str, Any]], topologies: str) -> None:
+    """A row for each airfoil, topology and method: what is worst over numbers of points and first heights."""
+    print_row(
+        "airfoil", "grid", "method", "grids", "refused", "FOLDED", "fell back", "not converged", "skew, median, worst",
+        "least Jacobian", "first heights", "growth (%)", "s, median", head=True,
+    )  # fmt: skip
+    for name, section in named:
+        for topology in topologies:
+            for method in METHODS if topology != "H" else METHODS[:1]:
+                all_of = [
+                    made(topology, section, method, first_height=height, **({"around": n} if n else {}))
+                    for n in AROUND
+                    for height in HEIGHTS
+                ]
+                words = Counter(o.word for o in all_of)
+                good = [o for o in all_of if o.word in ("made", "fell back")] or [Outcome("none")]
+                print_row(
+                    name, topology, method, len(all_of), NONE.verdict(words["refused"]), NONE.verdict(words["FOLDED"]),
+                    words["fell back"], NONE.verdict(sum(not o.converged for o in good)),
+                    f"{statistics.median(o.skew for o in good):.1f}, {max(o.skew for o in good):.1f}",
+                    f"{min(o.jacobian for o in good):.3f}",
+                    f"{min(o.lowest for o in good):.3f}, {max(o.highest for o in good):.3f}",
+                    GROWTH.verdict(max(o.growth for o in good)),
+                    f"{statistics.median(o.seconds for o in all_of):.2f}",
+                )  # fmt: skip
+                for message in {o.message for o in all_of if o.message}:
+                    print(f"    {message}")
 
 
 def options_of(rng: np.random.Generator) -> dict[str, Any]:
@@ -179,12 +212,15 @@ def runs(number: int, seed: int, touched: bool) -> Iterator[tuple[str, str, str,
 
 def main() -> None:
     """Print the tables."""
-    options = arguments(__doc__, number=[100], seed=[1], airfoils=[""], every=[0])
+    options = arguments(__doc__, number=[100], seed=[1], airfoils=[""], every=[0], sweep=[""])
     circle = polyline(gallery.circle(24))[:, :2]
     for method in METHODS:
         made("O", circle, method, layers=8)  # compiles
     every = bool((options.every or [0])[0])
     folder = (options.airfoils or [None])[0] or None
+    if topologies := (options.sweep or [""])[0]:
+        print_heading("Airfoils, first heights from 1e-3 to 1e-6, their own points and 128 and 256 cells around")
+        return sweep(airfoils(folder), topologies)
     number, seed = (options.number or [10 if options.quick else 100])[0], (options.seed or [1])[0]
     if folder != "-":
         print_heading("Airfoils, no parameter touched")
