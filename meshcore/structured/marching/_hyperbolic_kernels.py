@@ -55,7 +55,9 @@ TANGENT, START, BEST, PIN, TOWARDS, SPARE, ROWS = 10, 12, 14, 16, 18, 20, 24
 
 
 @kernel
-def march(out, heights, outer, kind, frame, curves, reached, base, theta, r, d, scratch, blocks, info, first, last):
+def march(
+    out, heights, outer, kind, frame, curves, reached, base, theta, drawing, r, d, scratch, blocks, info, first, last
+):
     """Layers ``first`` to ``last`` of a grid, out[j + 1] from out[j]; returns how many there are then.
 
     A layer that folds, or comes near to it, is tried again in twice as many steps, with more dissipation where it was.
@@ -76,6 +78,9 @@ def march(out, heights, outer, kind, frame, curves, reached, base, theta, r, d, 
         How far along their curves the ends are.
     base, theta : float
         Dissipation in units of the cells' aspect ratio, and implicitness beyond Euler's.
+    drawing : float
+        Share of the dissipation against collisions that draws points along the front, out of bays, instead of
+        straightening the front only: where lines stand close beside lines that do not, they would all lean.
     r, d, scratch, blocks
         (2, n + 4), (n, 2), (ROWS, n + 4) and (4, n, 4) numbers of scratch.
     info : (2,) int
@@ -96,7 +101,7 @@ def march(out, heights, outer, kind, frame, curves, reached, base, theta, r, d, 
             copy(start, r)
             for part in range(steps):
                 ask(r, heights, outer, j, part, steps, kind, scratch)
-                step(r, kind, frame, curves, reached, part + 1, base, theta, d, scratch, blocks)
+                step(r, kind, frame, curves, reached, part + 1, base, theta, drawing, d, scratch, blocks)
                 for k in range(n):
                     r[0, k + 2] += d[k, 0]
                     r[1, k + 2] += d[k, 1]
@@ -190,7 +195,7 @@ def strengthen(boost, corners, closed, attempt, steps):
 
 
 @kernel
-def step(r, kind, frame, curves, reached, part, base, theta, d, scratch, blocks):
+def step(r, kind, frame, curves, reached, part, base, theta, drawing, d, scratch, blocks):
     """Displacement ``d`` (n, 2) of a front by one step; ``part`` counts the steps of a layer."""
     n = d.shape[0]
     t = scratch[TANGENT : TANGENT + 2]
@@ -198,7 +203,7 @@ def step(r, kind, frame, curves, reached, part, base, theta, d, scratch, blocks)
     closed = kind[0] == CLOSED
     ghosts(r, kind, frame)
     frame_of(r, t, s, turn)
-    dissipation(r, kind, base, scratch)
+    dissipation(r, kind, base, drawing, scratch)
     mean_s, mean_turn = means(s, turn, closed)
     sine, half = math.sin(-mean_turn), 2 * math.sin(-0.5 * mean_turn)
     lower, diagonal, upper, fill_in = blocks[0], blocks[1], blocks[2], blocks[3]
@@ -240,7 +245,7 @@ def step(r, kind, frame, curves, reached, part, base, theta, d, scratch, blocks)
 
 
 @kernel
-def dissipation(r, kind, base, scratch):
+def dissipation(r, kind, base, drawing, scratch):
     """Heights that shrink before collisions, and dissipation: by aspect ratio, by collisions, and where asked for.
 
     It is kept as each point's weights of the differences to the points before and after. At convex corners it may take
@@ -260,8 +265,9 @@ def dissipation(r, kind, base, scratch):
         h[k] *= asked[k]
         aspect, lead = h[k] / s[k], scratch[LEAD, k]
         concave = min(1.0, max(0.0, turn[k] / CONCAVE))
-        e = (1 - lead) * (strength[k] + PARABOLIC * lead * aspect * aspect + boost[k])
-        c = (1 - lead) * base * weight(aspect, turn[k]) * aspect
+        drawn = drawing * strength[k]
+        e = (1 - lead) * (drawn + PARABOLIC * lead * aspect * aspect + boost[k])
+        c = (1 - lead) * (strength[k] - drawn + base * weight(aspect, turn[k]) * aspect)
         uneven = (1 - concave) * (after_over_mean(r, k) - 1)
         before, after = e + c * (1 + uneven), e + c * (1 - uneven)
         x, y = dissipated(r, k, before, after)

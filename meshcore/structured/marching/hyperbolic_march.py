@@ -255,17 +255,19 @@ def marched(
     heights = _checked_heights(heights, len(front))
     conditions = as_numbers(ends, front, closed)
     given = front, heights, np.empty((2, 0)), conditions
-    first = None
-    for attempt, times in enumerate(RAISED):
-        stronger = replace(dissipation, base=min(times * dissipation.base, MOST_BASE))
-        part = part_of(progress, 1 - 0.5**attempt, 1 - 0.5 ** (attempt + 1))
-        result = run(*given, stronger, part)
-        if result.stop is None:
-            return result._replace(raised=times)
-        first = first or result
-        if result.stop.reason != FOLDED:
-            break
-    return first
+    farthest, done = None, 0.0
+    for drawing in (False, True):
+        for times in RAISED:
+            stronger = replace(dissipation, base=min(times * dissipation.base, MOST_BASE))
+            result = run(*given, stronger, part_of(progress, done, 0.5 * (1 + done)), drawing)
+            done = 0.5 * (1 + done)
+            if result.stop is None:
+                return result._replace(raised=times)
+            if farthest is None or result.stop.layer > farthest.stop.layer:
+                farthest = result
+            if result.stop.reason != FOLDED:
+                break
+    return farthest
 
 
 def run(
@@ -275,10 +277,11 @@ def run(
     conditions: Conditions,
     dissipation: Dissipation,
     progress: Progress,
+    drawing: bool = False,
 ) -> Marched:
     """March a checked front, and see how far the grid covers the plane once; arguments as the kernel takes them."""
     closed = conditions.kinds[0] == fronts.CLOSED
-    out, made, info = _march(front, heights, outer, conditions, dissipation, progress)
+    out, made, info = _march(front, heights, outer, conditions, dissipation, progress, drawing)
     stop = None
     if made < len(heights):
         stop = _folded(out[made].T, int(info[1]), made, closed)
@@ -288,14 +291,14 @@ def run(
     return Marched(np.ascontiguousarray(out[: sound + 1].transpose(2, 0, 1)), int(info[0]), stop)
 
 
-def _march(front, heights, outer, conditions, dissipation, progress) -> tuple[np.ndarray, int, np.ndarray]:
+def _march(front, heights, outer, conditions, dissipation, progress, drawing) -> tuple[np.ndarray, int, np.ndarray]:
     """(layers + 1, 2, n) fronts, how many were made, and what kernels tell."""
     n, layers = len(front), len(heights)
     out = np.empty((layers + 1, 2, n))
     out[0] = front.T
     info, reached = np.zeros(2, np.int64), np.zeros(2)
     scratch = np.zeros((2, n + 4)), np.zeros((n, 2)), np.zeros((kernels.ROWS, n + 4)), np.zeros((4, n, 4))
-    numbers = dissipation.base, dissipation.implicitness
+    numbers = dissipation.base, dissipation.implicitness, float(drawing)
     made, chunk = 0, max(1, POINTS_A_CHUNK // n)
     while made < layers:
         advance(progress, made / layers, "marching")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...errors import InvalidInput
-from ...progress import Progress, silent
+from ...progress import Progress, part_of, silent
 from .hyperbolic_march import Dissipation, Marched, checked_front, run
 from .marching_ends import End, OnCurve, as_numbers
 
@@ -82,7 +82,12 @@ def marched(
     for curve, end in zip(conditions.curves, ends, strict=True):
         if not closed:
             curve[:, 2] /= curve[len(end.points) - 1, 2]
-    return run(front, shares[1:], np.ascontiguousarray(outer.T), conditions, dissipation, progress)
+    given = front, shares[1:], np.ascontiguousarray(outer.T), conditions, dissipation
+    result = run(*given, part_of(progress, 0.0, 0.5))
+    if result.stop is None:
+        return result
+    drawn = run(*given, part_of(progress, 0.5, 1.0), drawing=True)  # bays are left sooner by points drawn out of them
+    return drawn if drawn.stop is None or drawn.stop.layer > result.stop.layer else result
 
 
 def _fitted(side: Side, start: np.ndarray, stop: np.ndarray) -> np.ndarray:

@@ -89,7 +89,7 @@ def test_reports_tell_heights_reached_skew_and_wall_units():
 
 @pytest.mark.parametrize(
     ("make", "kind", "seed", "number", "height", "layers"),
-    [(mc.o_grid, "measured", 4, 252, 0.05, 30), (mc.c_grid, "star", 3, 57, 0.1, 12)],
+    [(mc.o_grid, "measured", 4, 252, 0.05, 30), (mc.c_grid, "turbine", 3, 73, 0.1, 12)],
 )
 def test_reports_tell_what_a_march_did_so_that_no_cell_folds(make, kind, seed, number, height, layers):
     found, loop = list(random_bodies(number + 1, seed))[-1]

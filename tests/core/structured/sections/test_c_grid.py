@@ -7,6 +7,7 @@ import meshcore as mc
 from meshcore import gallery
 from meshcore.errors import GenerationFailed, InvalidGeometry, InvalidInput
 from meshcore.geometry.curves import polyline
+from meshcore.quality import line_angle
 from meshcore.structured.sections.wall_units import height_for
 from tests import naive
 from tests.core.geometry.test_section import joukowski
@@ -92,6 +93,13 @@ def test_lines_leave_section_and_wake_at_right_angles():
     off[np.abs(np.arange(len(off)) - grid.cuts[0].points[1][0]) < 3] = 0
     off[np.abs(np.arange(len(off)) - (len(off) - grid.cuts[0].points[1][0])) < 4] = 0
     assert off.max() < 8
+
+
+@pytest.mark.parametrize("height", [1e-3, 1e-5])
+@pytest.mark.parametrize("name", gallery.airfoils())
+def test_lines_of_marches_do_not_lean_beside_those_from_the_trailing_edge(name, height):
+    grid, _ = mc.c_grid(gallery.airfoil(name), method="hyperbolic", first_height=height)
+    assert (90 - line_angle(around(grid))[:, 1:-1]).max() < 20  # was 58
 
 
 @pytest.mark.parametrize("shape", ["C", "box"])
