@@ -97,17 +97,16 @@ def check_blocks_are_extruded_as_one_surface():
 
 
 def check_where_layers_stop_is_an_array():
-    angle = np.linspace(0.35, 2 * np.pi - 0.35, 60)
-    ring = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
-    front = np.vstack([2 * ring, 1.2 * ring[::-1], 2 * ring[:1]])
-    proxy = pv.meshcoreHyperbolicGrid(Front=producer(polylines(front.tolist())), FirstHeight=0.01, Distance=3.0)
-    grid, report = meshcore.hyperbolic(front, first_height=0.01, distance=3.0)
+    front = gallery.airfoil("naca0012")
+    farther = {"first_height": 0.01, "distance": 1.0, "other_side": True}  # than there is room inside
+    grid, report = meshcore.hyperbolic(front, **farther)
     assert not report.converged
+    proxy = pv.meshcoreHyperbolicGrid(Front=producer(of_mesh(front)), FirstHeight=0.01, Distance=1.0, OtherSide=1)
     at_points = content(fetched(proxy))[3]
     np.testing.assert_array_equal(at_points["stopped"], grid.flat(grid.point_data["stopped"]))
-    assert at_points["stopped"].sum() == 1
+    assert at_points["stopped"].sum() == 2  # both sides of the cut
     pv.SelectPoints(query="stopped > 0", proxy=proxy)
-    assert fetched(pv.ExtractSelection(Input=proxy)).GetNumberOfPoints() == 1
+    assert fetched(pv.ExtractSelection(Input=proxy)).GetNumberOfPoints() == 2
 
 
 if __name__ == "__main__":
