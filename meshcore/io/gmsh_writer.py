@@ -14,7 +14,7 @@ from .lines import rows_of
 KINDS = {
     15: "vertex", 1: "line", 2: "triangle", 3: "quad", 4: "tetra", 5: "hexahedron", 6: "wedge", 7: "pyramid",
     8: "line3", 9: "triangle6", 16: "quad8", 10: "quad9", 11: "tetra10", 17: "hexahedron20", 18: "wedge15",
-    19: "pyramid13",
+    19: "pyramid13", 12: "hexahedron27", 13: "wedge18",
 }  # fmt: skip
 NUMBERS = {kind: number for number, kind in KINDS.items()}
 # The order of the edges that carry the middle nodes; VTK's is that of CELL_TYPES.
@@ -24,16 +24,20 @@ _EDGES = {
     "wedge15": ((0, 1), (0, 2), (0, 3), (1, 2), (1, 4), (2, 5), (3, 4), (3, 5), (4, 5)),
     "pyramid13": ((0, 1), (0, 3), (0, 4), (1, 2), (1, 4), (2, 3), (2, 4), (3, 4)),
 }
+_EDGES |= {"hexahedron27": _EDGES["hexahedron20"], "wedge18": _EDGES["wedge15"]}
+# For the middles of faces, and of the cell, in VTK's order their places in Gmsh's.
+_FACES = {"hexahedron27": (2, 3, 1, 4, 0, 5, 6), "wedge18": (0, 2, 1)}
 
 
 def node_order(kind: str) -> np.ndarray:
     """For each node in VTK's order its place in Gmsh's."""
-    nodes = CELL_TYPES[kind].nodes
     if kind not in _EDGES:
-        return np.arange(nodes)
-    corners = nodes - len(_EDGES[kind])
+        return np.arange(CELL_TYPES[kind].nodes)
+    corners = CELL_TYPES[CELL_TYPES[kind].linear].nodes
     place = {edge: corners + k for k, edge in enumerate(_EDGES[kind])}
-    return np.array([*range(corners), *(place[min(e), max(e)] for e in CELL_TYPES[kind].edges)])
+    middles = [place[min(e), max(e)] for e in CELL_TYPES[kind].edges]
+    inside = [corners + len(middles) + k for k in _FACES.get(kind, ())]
+    return np.array([*range(corners), *middles, *inside])
 
 
 def write_msh(path: Path, mesh: Mesh, *, binary: bool = True) -> None:

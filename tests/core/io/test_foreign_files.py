@@ -251,6 +251,39 @@ def test_gmsh_order_of_middle_nodes(kind: str, tmp_path: Path) -> None:
     np.testing.assert_array_equal(_gmsh_to_meshio_order(kind, np.array([nodes])), [np.arange(n)])
 
 
+# Places of all nodes in Gmsh's own order, as its getElementProperties tells them for types 12 and 13.
+GMSH_PLACES = {
+    "hexahedron27": (
+        12,
+        "--- +-- ++- -+- --+ +-+ +++ -++ 0-- -0- --0 +0- +-0 0+- ++0 -+0 0-+ -0+ +0+ 0++ 00- 0-0 -00 +00 0+0 00+ 000",
+    ),
+    "wedge18": (13, "ooa Xoa oYa oob Xob oYb xoa oya oo0 xya Xo0 oY0 xob oyb xyb xo0 oy0 xy0"),
+}
+COORDINATES = {"-": -1, "+": 1, "0": 0, "o": 0, "X": 1, "Y": 1, "x": 0.5, "y": 0.5, "a": -1, "b": 1}
+FACES = {
+    "hexahedron27": ((0, 3, 7, 4), (1, 2, 6, 5), (0, 1, 5, 4), (3, 2, 6, 7), (0, 1, 2, 3), (4, 5, 6, 7), range(8)),
+    "wedge18": ((0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)),
+}  # in VTK's order, after the drawings of its classes
+
+
+@pytest.mark.parametrize("kind", GMSH_PLACES)
+def test_gmsh_order_of_middles_of_faces(kind: str, tmp_path: Path) -> None:
+    """Each node beyond the corners is in the middle of the edge or face that VTK has there."""
+    number, text = GMSH_PLACES[kind]
+    places = np.array([[COORDINATES[c] for c in word] for word in text.split()], float)
+    nodes = "\n".join(f"{k} {x} {y} {z}" for k, (x, y, z) in enumerate(places.tolist(), 1))
+    cell = " ".join(map(str, range(1, len(places) + 1)))
+    content = f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{len(places)}\n{nodes}\n$EndNodes\n"
+    mesh = read(tmp_path, "a.msh", content + f"$Elements\n1\n1 {number} 2 0 0 {cell}\n$EndElements\n")
+    found = mesh.points[mesh.cells[kind][0]]
+    linear = mc.mesh.CELL_TYPES[mc.mesh.CELL_TYPES[kind].linear]
+    corners = found[: linear.nodes]
+    middles = [corners[list(part)].mean(axis=0) for part in (*linear.edges, *FACES[kind])]
+    np.testing.assert_allclose(found[linear.nodes :], middles, atol=1e-15)
+    mc.io.write(tmp_path / "b.msh", mesh)
+    assert mc.io.read(tmp_path / "b.msh").cells[kind].tolist() == mesh.cells[kind].tolist()
+
+
 # ---- SU2, Medit, surfaces
 
 SU2 = """%
