@@ -79,8 +79,9 @@ def area_vectors(points, weights, seen):
 def stepped(points, normal, found, free, height, volume, strength, weights, right):
     """Corrections of a step by a dense matrix, with derivatives by differences, which are exact for products.
 
-    Waves: the area vectors' changes, less (1 + volume) times their part along the normals, in units of the areas;
-    dissipation: e times the weighted mean of the ring.
+    Waves: the area vectors' changes, less (1 + volume) times their part along the normals, in units of the areas, times
+    twice the least cosine between a normal and those of its corners, at most 1. Dissipation: e times the weighted mean
+    of the ring.
     """
     n = len(points)
     seen = np.array([(i, a, b) for i, (ring, opened) in enumerate(found) for a, b in corners(ring, opened)])
@@ -88,6 +89,11 @@ def stepped(points, normal, found, free, height, volume, strength, weights, righ
     kept = 1 / ((one**2).sum(axis=1) * (two**2).sum(axis=1))
     area = np.einsum("ij,ij->i", area_vectors(points, kept, seen), normal)
     scale = np.where(free, 0.0, height / area)[:, None]
+    cosine = np.einsum("ij,ij->i", np.cross(one, two), normal[seen[:, 0]])
+    cosine /= np.linalg.norm(np.cross(one, two), axis=1)
+    flat = np.ones(n)
+    np.minimum.at(flat, seen[:, 0], cosine)
+    flat = np.clip(flat / 0.5, 0.0, 1.0)[:, None]
 
     def changes(way):
         return scale * (area_vectors(points + way, kept, seen) - area_vectors(points - way, kept, seen)) / 2
@@ -100,7 +106,7 @@ def stepped(points, normal, found, free, height, volume, strength, weights, righ
         way = np.zeros(3 * n)
         way[k] = 1.0
         change = changes(way.reshape(n, 3))
-        matrix[:, k] = way - (change - (1 + volume) * along(change)).ravel()
+        matrix[:, k] = way - (flat * (change - (1 + volume) * along(change))).ravel()
     for i, (ring, _) in enumerate(found):
         for axis in range(3):
             matrix[3 * i + axis, 3 * i + axis] += strength[i]
@@ -110,5 +116,5 @@ def stepped(points, normal, found, free, height, volume, strength, weights, righ
     widening = np.einsum("ij,ij->i", turn, normal) / height
     share = np.bincount(seen[:, 0], weights=np.linalg.norm(np.cross(one, two), axis=1))
     lost = volume * height * (widening - np.average(widening, weights=share))
-    right = right + turn - along(turn) - lost[:, None] * normal
+    right = right + flat * (turn - along(turn) - lost[:, None] * normal)
     return np.linalg.solve(matrix, right.ravel()).reshape(n, 3)

@@ -4,6 +4,8 @@ Rings and `held` are as in `_layer_kernels`. Sums are taken over blocks of nodes
 shares the work.
 """
 
+import math
+
 import numpy as np
 
 from ..._numba import kernel
@@ -11,11 +13,12 @@ from ._layer_kernels import corner, held_vector
 
 U = np.uint64
 BLOCK = 256
+SHARP = 0.5  # least cosine between a normal and its corners' from which equations count in whole
 
 
 @kernel
 def hyperbolic_terms(
-    first, last, height, points, normal, start, ring, opened, held, projectors, free, across, own, widening, right
+    first, last, height, points, normal, start, ring, opened, held, projectors, free, across, own, flat, widening, right
 ):
     """Derivatives of the area vectors, how much the layer widens, and how the normals turn in a step.
 
@@ -36,6 +39,9 @@ def hyperbolic_terms(
         The a of each neighbour; out. Nil at free edges, where nothing is known of the other side.
     own : (n, 3) float
         The same for the node itself; out.
+    flat : (n,) float
+        Least cosine between the node's normal and those of its corners, by which all terms are to be multiplied: at
+        sharp edges derivatives tell little of a step that is longer than the edges; out.
     widening : (n,) float
         Part by which the area grows over a step h n of all nodes; out.
     right : (n, 3) float
@@ -47,17 +53,20 @@ def hyperbolic_terms(
         nx, ny, nz = normal[U(i), 0], normal[U(i), 1], normal[U(i), 2]
         for k in range(begin, begin + count):
             across[U(k), 0] = across[U(k), 1] = across[U(k), 2] = 0.0
-        area = 0.0
+        area, least = 0.0, 1.0
         for k in range(count - opened[U(i)]):
             one, two = begin + k, begin + (k + 1) % count
             a, b = ring[U(one)], ring[U(two)]
             cx, cy, cz, uu, vv = corner(points, i, a, b)
             w = 1.0 / (uu * vv)
-            area += w * (cx * nx + cy * ny + cz * nz)
+            seen = cx * nx + cy * ny + cz * nz
+            area += w * seen
+            least = min(least, seen / math.sqrt(cx * cx + cy * cy + cz * cz))
             for axis in range(3):
                 across[U(one), axis] += w * (points[U(b), axis] - points[U(i), axis])
                 across[U(two), axis] -= w * (points[U(a), axis] - points[U(i), axis])
         scale = height / area if area > 0 and not free[U(i)] else 0.0
+        flat[U(i)] = min(1.0, max(0.0, least / SHARP))
         ox, oy, oz, gx, gy, gz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for k in range(begin, begin + count):
             ax, ay, az = scale * across[U(k), 0], scale * across[U(k), 1], scale * across[U(k), 2]
@@ -70,13 +79,14 @@ def hyperbolic_terms(
         along = gx * nx + gy * ny + gz * nz
         widening[U(i)] = along
         gx, gy, gz = held_vector(held, projectors, i, gx - along * nx, gy - along * ny, gz - along * nz)
-        right[U(i), 0] += height * gx
-        right[U(i), 1] += height * gy
-        right[U(i), 2] += height * gz
+        turn = height * flat[U(i)]
+        right[U(i), 0] += turn * gx
+        right[U(i), 1] += turn * gy
+        right[U(i), 2] += turn * gz
 
 
 @kernel
-def begin(first, last, n, lost, widening, mean, normal, strength, right, solution, rest, shadow, direction, sums):
+def begin(first, last, n, lost, flat, widening, mean, normal, strength, right, solution, rest, shadow, direction, sums):
     """Put the right side together, divide it by the diagonal, and begin with no correction.
 
     The heights lost are ``lost`` times what a node's area widens more than the mean.
@@ -84,7 +94,7 @@ def begin(first, last, n, lost, widening, mean, normal, strength, right, solutio
     for block in range(first, last):
         largest, square = 0.0, 0.0
         for i in range(block * BLOCK, min(n, (block + 1) * BLOCK)):
-            less = lost * (widening[U(i)] - mean[U(i)])
+            less = lost * flat[U(i)] * (widening[U(i)] - mean[U(i)])
             scale = 1.0 / (1.0 + strength[U(i)])
             for axis in range(3):
                 value = scale * (right[U(i), axis] - less * normal[U(i), axis])
@@ -97,7 +107,7 @@ def begin(first, last, n, lost, widening, mean, normal, strength, right, solutio
 
 @kernel
 def product(
-    first, last, n, volume, start, ring, held, projectors, normal, across, own, now, strength, shadow, x, y, sums
+    first, last, n, volume, start, ring, held, projectors, normal, across, own, flat, now, strength, shadow, x, y, sums
 ):
     """The equations' left side y of the corrections x, divided by the diagonal; sums: shadow . y, x . y, y . y.
 
@@ -122,10 +132,9 @@ def product(
                 lx, ly, lz = lx + w * dx, ly + w * dy, lz + w * dz
             nx, ny, nz = normal[U(i), 0], normal[U(i), 1], normal[U(i), 2]
             along = (1.0 + volume) * (gx * nx + gy * ny + gz * nz)
-            e = strength[U(i)]
-            gx, gy, gz = held_vector(
-                held, projectors, i, gx - along * nx + e * lx, gy - along * ny + e * ly, gz - along * nz + e * lz
-            )
+            e, f = strength[U(i)], flat[U(i)]
+            gx, gy, gz = f * (gx - along * nx) + e * lx, f * (gy - along * ny) + e * ly, f * (gz - along * nz) + e * lz
+            gx, gy, gz = held_vector(held, projectors, i, gx, gy, gz)
             scale = 1.0 / (1.0 + e)
             gx, gy, gz = px - scale * gx, py - scale * gy, pz - scale * gz
             y[U(i), 0], y[U(i), 1], y[U(i), 2] = gx, gy, gz

@@ -12,6 +12,8 @@ CONCAVE = 20.0
 """Degrees by which faces bend towards each other where the surface counts as concave."""
 CONVEX = 1.0
 """Degrees up to which a surface counts as convex, and its layers cannot meet."""
+BLIND = 1e-4
+"""Cosine between a line and the normal of a face below which the face is not seen."""
 
 
 class Bends(NamedTuple):
@@ -68,3 +70,16 @@ def bends(graph: FrontGraph) -> Bends:
     inner = (graph.opened[node] == 0) | ((k > 0) & (k < count[node] - 1))
     width = 0.5 * (np.linalg.norm(one, axis=1) + np.linalg.norm(two, axis=1)) / length
     return Bends(angle[inner], (graph.points[node] + 0.5 * edge)[inner], width[inner])
+
+
+def blind_node(graph: FrontGraph, normal: np.ndarray) -> int:
+    """The node whose line sees the faces around it least, if that is not at all, or -1."""
+    count = np.diff(graph.start)
+    node = np.repeat(np.arange(len(count)), count)
+    k = np.arange(len(graph.ring)) - graph.start[node]
+    after = graph.ring[graph.start[node] + (k + 1) % count[node]]
+    corner = np.cross(graph.points[graph.ring] - graph.points[node], graph.points[after] - graph.points[node])
+    cosine = np.einsum("ij,ij->i", corner, normal[node]) / np.maximum(np.linalg.norm(corner, axis=1), 1e-300)
+    cosine[(graph.opened[node] == 1) & (k == count[node] - 1)] = 1.0
+    worst = int(np.argmin(cosine))
+    return int(node[worst]) if cosine[worst] <= BLIND else -1

@@ -22,7 +22,7 @@ from .front_bends import concavity, is_concave
 from .front_crossing import clear_layers, emptied_layer, overlapping_node
 from .front_graph import FrontGraph, at
 from .layer_cuts import with_cuts
-from .layer_marching import SOLVED, Outcome, first_normals, marched
+from .layer_marching import Outcome, first_normals, marched
 from .layer_surface import LayerSurface, read_surface
 from .marching_parameters import (
     DistanceParam,
@@ -152,7 +152,7 @@ def hyperbolic_volume(
     radial on spheres. Where the surface is hollow, dissipation in proportion to a cell's height over its width acts in
     whole where the front is concave or narrows, and grows with the distance, so that it rounds corners alike at all
     distances; heights near them differ from what was asked. Steps whose equations are not solved to a hundredth of
-    their height are split; `residual` tells what was left.
+    their height are split, or not made; `residual` tells what was left.
 
     References
     ----------
@@ -187,11 +187,6 @@ def hyperbolic_volume(
         if len(made) == 1:
             at = np.flatnonzero(ready.number == outcome.stopped_at)
             raise GenerationFailed(f"no layer could be made: {warnings[-1]}", parameter="surface", points=at)
-    if outcome.residual > SOLVED:
-        warnings.append(
-            f"the equations of some steps were solved to {outcome.residual:.2g} of their heights only; the layers are "
-            "sound, but may be less smooth: ask for more of them"
-        )
     result, untold = with_cuts(ready, front.pairs, ready.layered(made))
     return _reported(ready, result, made, heights, outcome, warnings + untold)
 
@@ -252,7 +247,7 @@ def _reported(
         result = ready.marked(result, outcome.stopped_at)
     report = Report(
         counts=counts, quality=quality, iterations=outcome.products, residual=outcome.residual,
-        converged=outcome.stopped_at < 0 and outcome.residual <= SOLVED, warnings=warnings,
+        converged=outcome.stopped_at < 0, warnings=warnings,
     )  # fmt: skip
     return Result(result, report)
 

@@ -52,7 +52,8 @@ class LayerEquations:
         n, k = len(self.graph.points), len(self.graph.ring)
         self._marching = self.hold.marching
         self.right, self.solution = np.zeros((n, 3)), np.zeros((n, 3))
-        self.across, self.own, self.widening, self.mean = np.zeros((k, 3)), np.zeros((n, 3)), np.zeros(n), np.zeros(n)
+        self.across, self.own = np.zeros((k, 3)), np.zeros((n, 3))
+        self.flat, self.widening, self.mean = np.zeros(n), np.zeros(n), np.zeros(n)
         self._rest, self._shadow, self._direction, self._image, self._second = (np.zeros((n, 3)) for _ in range(5))
         self._blocks = -(-self._marching // kernels.BLOCK)
         self._sums = np.zeros((self._blocks, 4))
@@ -81,18 +82,18 @@ class LayerEquations:
         self.workers.run(
             lambda first, last: kernels.hyperbolic_terms(
                 first, last, height, front, normal, graph.start, graph.ring, graph.opened, *held, hold.free,
-                self.across, self.own, self.widening, self.right,
+                self.across, self.own, self.flat, self.widening, self.right,
             ),
             0, n, most=max(1, n // NODES_A_THREAD),
         )  # fmt: skip
         self._find_means()
         self._run(
-            kernels.begin, self.volume_smoothing * height, self.widening, self.mean, normal, strength, self.right,
-            self.solution, self._rest, self._shadow, self._direction, self._sums,
+            kernels.begin, self.volume_smoothing * height, self.flat, self.widening, self.mean, normal, strength,
+            self.right, self.solution, self._rest, self._shadow, self._direction, self._sums,
         )  # fmt: skip
         terms = (
-            self.volume_smoothing, graph.start, graph.ring, *held, normal, self.across, self.own, now, strength,
-            self._shadow,
+            self.volume_smoothing, graph.start, graph.ring, *held, normal, self.across, self.own, self.flat, now,
+            strength, self._shadow,
         )  # fmt: skip
         return self._iterate(terms, ENOUGH * height, height)
 

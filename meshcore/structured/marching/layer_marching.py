@@ -11,7 +11,7 @@ import numpy as np
 from ...progress import Progress, advance, silent
 from ...threads import Workers, available_threads
 from . import _layer_kernels as kernels
-from .front_bends import concave_curvature
+from .front_bends import blind_node, concave_curvature
 from .front_edges import Hold, free_edges
 from .front_graph import FrontGraph
 from .layer_equations import LayerEquations
@@ -33,8 +33,10 @@ class Scheme(NamedTuple):
     sharing: float
 
 
-CALM, FIRM, HARD = Scheme(0.02, 0.0, 0.0), Scheme(10.0, 5.0, 1.0), Scheme(40.0, 20.0, 1.0)
-"""Where lines spread heights are kept at each point; where they meet lines bend and volumes are kept; deep corners."""
+CALM, MILD = Scheme(0.02, 0.0, 0.0), Scheme(1.0, 0.5, 0.0)
+"""Where lines spread, heights are kept at each point."""
+FIRM, HARD = Scheme(10.0, 5.0, 1.0), Scheme(40.0, 20.0, 1.0)
+"""Where they meet, lines are bent and volumes kept."""
 MEETING = 0.1
 """Distance that is marched, in units of the radius of the sharpest hollow, from which its lines count as meeting."""
 NARROWEST = 0.3
@@ -48,7 +50,7 @@ SOUND = 1e-4
 STUCK = 0.1
 """Part of a layer's height that each node must have moved by."""
 NODES_A_THREAD = 2048
-_MOST_STEPS, _MOST_SPLITS = 200, 12
+_MOST_STEPS, _MOST_SPLITS = 200, 8
 
 
 @dataclass
@@ -126,6 +128,8 @@ def marched(
         for scheme in _schemes(graph, float(sum(heights))):
             scheme = scheme._replace(sharing=scheme.sharing * volume_smoothing)
             march = _March(graph, hold or free_edges(graph), workers, scheme)
+            if best is None and (node := blind_node(graph, march.normal)) >= 0:
+                return graph.points[None].copy(), Outcome(stopped_at=node, why="would fold, as no line sees all faces,")
             layers = march.all(heights, progress)
             if best is None or len(layers) > len(best[0]):
                 best = layers, march.outcome
@@ -137,7 +141,7 @@ def marched(
 def _schemes(graph: FrontGraph, distance: float) -> tuple[Scheme, ...]:
     """What is tried, until all layers are sound: by whether the surface's lines would meet in that distance."""
     meeting = concave_curvature(graph) * distance > MEETING
-    return (FIRM, HARD, CALM) if meeting else (CALM, FIRM, HARD)
+    return (FIRM, MILD, HARD, CALM) if meeting else (CALM, MILD, FIRM, HARD)
 
 
 @dataclass
@@ -188,6 +192,8 @@ class _March:
             while done < 1 - 1e-9 and steps < _MOST_STEPS:
                 part = min(1 - done, 0.5**halving)
                 front, part = self._step(front, height, part, distance + done * height, 2.0**halving)
+                if part == 0:
+                    break
                 done += part
                 steps += 1
             self.outcome.steps += steps
@@ -201,9 +207,8 @@ class _March:
     def _step(
         self, front: np.ndarray, height: float, part: float, distance: float, factor: float
     ) -> tuple[np.ndarray, float]:
-        """The front after at most that part of a layer's height, and the part that was done."""
+        """The front after at most that part of a layer's height, and the part that was done, 0 if it cannot be."""
         self._find_normals(front)
-        rest = 0.0
         for _ in range(_MOST_SPLITS):
             np.multiply(self.normal, part * height, out=self.ahead)
             self.ahead += front
@@ -211,11 +216,12 @@ class _March:
             least = self.narrow.min()
             if least < NARROWEST:
                 part *= max(0.1, min(0.9, (1 - NARROWEST) / (1 - least)))
-                continue
-            rest = self._correct(front, part * height, distance + part * height, factor)
-            if rest <= SOLVED:
+            elif (rest := self._correct(front, part * height, distance + part * height, factor)) <= SOLVED:
                 break
-            part *= 0.5
+            else:
+                part *= 0.5
+        else:
+            return front, 0.0
         self.zone, self.new_zone = self.new_zone, self.zone
         self.hold.images.set_numbers(self.zone)
         self.outcome.residual = max(self.outcome.residual, rest)

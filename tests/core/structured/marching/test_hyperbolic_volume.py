@@ -18,6 +18,7 @@ from meshcore.structured.marching.layer_marching import first_normals, marched
 from meshcore.structured.marching.layer_surface import read_surface
 from meshcore.threads import Workers
 from tests import naive_layers as naive
+from tests.surfaces import random_surfaces
 
 
 def body(name, n=6):
@@ -226,6 +227,33 @@ def test_a_march_that_must_stop_says_where():
 def test_nothing_made_is_an_error():
     with pytest.raises(GenerationFailed, match="no layer could be made"):
         mc.hyperbolic_volume(body("cube"), first_height=5.0, layers=1, other_side=True)
+
+
+def test_points_from_which_no_line_sees_all_faces_are_told():
+    filled = np.zeros((2, 2, 2), bool)
+    for brick in ((0, 0, 0), (1, 0, 0), (0, 0, 1), (0, 1, 1)):  # in the middle a ridge ends in a valley, three times
+        filled[brick] = True
+    surface = gallery.bricks(filled.repeat(2, 0).repeat(2, 1).repeat(2, 2), size=0.25)
+    with pytest.raises(GenerationFailed, match="no line sees all faces") as caught:
+        mc.hyperbolic_volume(surface, first_height=0.01, layers=3)
+    assert (surface.points[list(caught.value.points)] == 0.5).all()
+
+
+def test_layers_of_any_surface_are_sound_or_stop_with_the_place():
+    """Sixty-four of `tests.surfaces`; a thousand are run by hand."""
+    for k, (kind, surface) in enumerate(random_surfaces(64, 5)):
+        rng = np.random.default_rng([5, k, 1])
+        asked = {"first_height": mc.Relative(10 ** rng.uniform(-4, -2)), "layers": int(rng.integers(10, 30))}
+        try:
+            made, report = mc.hyperbolic_volume(surface, distance=mc.Relative(rng.uniform(0.3, 2)), threads=1, **asked)
+        except GenerationFailed as error:
+            assert "no layer could be made" in str(error) and error.points is not None, kind
+            continue
+        for block in made.blocks if isinstance(made, mc.MultiBlock) else (made,):
+            assert quality.validate(block) == [], kind
+        whole = report.counts["layers"] == asked["layers"]
+        assert report.converged == whole and report.residual <= 0.01, kind
+        assert whole or "stopped after" in report.warnings[-1], kind
 
 
 def two_balls(gap):
