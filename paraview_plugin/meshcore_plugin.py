@@ -1923,6 +1923,15 @@ class meshcoreHyperbolicGrid(Operation):
       <Documentation>Surface or curves that edges stay on.</Documentation>
       <Hints><Optional/></Hints>
     </InputProperty>
+    <InputProperty name="Outer" label="Outer" port_index="2" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>Surface to end at: closed round a closed one, a shell over an open one.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
     <DoubleVectorProperty name="FirstHeight" label="First Height" command="SetFirstHeight" number_of_elements="1" default_values="-1" panel_visibility="default">
       <BoundsDomain name="range" mode="scaled_extent" scale_factor="0.001"><RequiredProperties><Property name="Input" function="Input"/></RequiredProperties></BoundsDomain>
       <Documentation>Height of the first layer; -1 takes 0.1% of the diagonal of the input's bounding
@@ -1988,7 +1997,7 @@ class meshcoreHyperbolicGrid(Operation):
 class meshcoreExtrudeHyperbolic(Operation):
     operation = "hyperbolic_volume"
     label = "meshcore Extrude Hyperbolic"
-    ports = (("surface", "blocks", False), ("guide", "either", True))
+    ports = (("surface", "blocks", False), ("guide", "either", True), ("outer", "either", True))
     output = "vtkUnstructuredGrid"
 
     def SetFirstHeight(self, value):

@@ -43,6 +43,22 @@ def test_edges_are_named_and_stay_on_a_chosen_object(core, hub):
     np.testing.assert_allclose(first @ np.array([*turn, [0, 0, 1]]), last, atol=1e-5)
 
 
+def test_layers_end_on_a_chosen_object(core, installed):
+    from meshcore import gallery
+
+    ball, far = (scene.rounded(gallery.bumpy_ball(n, bump=bump)) for n, bump in ((162, 0.1), (642, 0.0)))
+    far = scene.rounded(far.with_points(3 * far.points))
+    ob = scene.from_core("ball", ball)
+    scene.from_core("far", far)
+    scene.activate(ob)
+    assert bpy.ops.meshcore.hyperbolic_volume(outer="far", first_height=0.05, layers=8) == {"FINISHED"}
+    mesh, _ = core.hyperbolic_volume(ball, outer=far, first_height=0.05, layers=8)
+    found = scene.world_points(scene.active())
+    np.testing.assert_allclose(found, mesh.points, rtol=0, atol=scene.SINGLE * mesh.diagonal)
+    radius = np.linalg.norm(found.reshape(9, -1, 3)[-1], axis=1)
+    assert radius.min() > 2.9 and radius.max() < 3.0 + 1e-5
+
+
 def test_names_that_are_none_are_told(hub):
     scene.from_core("hub", hub)
     with pytest.raises(RuntimeError, match="no edge is called 'top'"):

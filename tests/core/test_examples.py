@@ -43,7 +43,7 @@ NUMBERS = {
     "flow_past_a_cylinder": 64 * 192,
     "grid_quality": None,
     "laplace_round_a_cylinder": 4 * 4 * 40 * 40,
-    "layers_at_edges": 12 * 16 * 20,
+    "layers_at_edges": 12 * 16 * (20 + 24),
     "layers_on_surfaces": 88000,
     "moving_grid": 48 * 48,
     "passage_between_six_faces": 24 * 20 * 20,

@@ -30,6 +30,18 @@ def test_edges_are_named_and_stay_on_a_layer(ms):
     assert np.abs(foot[..., 2] - 0.4 * (1 - np.hypot(foot[..., 0], foot[..., 1]))).max() < 1e-3
 
 
+def test_layers_end_on_a_named_layer(ms):
+    ball, far = gallery.bumpy_ball(162), gallery.bumpy_ball(642, bump=0.0)
+    far = far.with_points(3 * far.points)
+    add(ms, far, "far")
+    ms.set_current_mesh(add(ms, ball, "ball"))
+    made = meshlab_filters.hyperbolic_volume(ms, outer="far", first_height=0.05, layers=8).mesh
+    expected, _ = hyperbolic_volume(ball, outer=far, first_height=0.05, layers=8)
+    np.testing.assert_allclose(made.points, expected.points, rtol=0, atol=1e-5)
+    radius = np.linalg.norm(made.points.reshape(9, -1, 3)[-1], axis=1)
+    assert radius.min() > 2.9 and radius.max() < 3.0 + 1e-5
+
+
 def test_names_that_are_none_are_told(ms):
     add(ms, gallery.hub_sector(8, 10).to_mesh(), "hub")
     with pytest.raises(pymeshlab.PyMeshLabException, match="no edge is called 'top'"):

@@ -102,12 +102,12 @@ def _inside_another(points: np.ndarray, owner: np.ndarray, triangles: np.ndarray
         low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
         near = nodes[((points[nodes] >= low) & (points[nodes] <= high)).all(axis=1)]
         for node in near[part[near] != k].tolist():
-            if abs(_winding(corners - points[node])) > 0.5:
+            if abs(winding(corners - points[node])) > 0.5:
                 return node
     return -1
 
 
-def _winding(corners: np.ndarray) -> float:
+def winding(corners: np.ndarray) -> float:
     """How often (m, 3, 3) triangles of a closed surface go round the origin (A. van Oosterom, J. Strackee, 1983)."""
     a, b, c = corners.transpose(1, 0, 2)
     u, v, w = (np.linalg.norm(x, axis=1) for x in (a, b, c))

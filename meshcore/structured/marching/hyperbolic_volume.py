@@ -10,14 +10,14 @@ import numpy as np
 
 from ...errors import GenerationFailed, InvalidGeometry
 from ...mesh import Mesh, MultiBlock, StructuredGrid
-from ...operation import Param, Port, Relative, operation
+from ...operation import Param, Port, Relative, absolute, operation
 from ...progress import Progress, advance, part_of, silent
 from ...quality import summary, validate
 from ...report import Report, Result
 from ...threads import checked_threads
 from ..layer_report import layers_told
 from ..limits import check_size
-from .edge_conditions import EdgeChoice, front_edges
+from .edge_conditions import EdgeChoice, FrontEdges, front_edges
 from .front_bends import concavity, is_concave
 from .front_crossing import clear_layers, emptied_layer, overlapping_node
 from .front_graph import FrontGraph, at
@@ -33,6 +33,7 @@ from .marching_parameters import (
     SplayParam,
     asked_heights,
 )
+from .outer_surface import OuterSurface
 
 _CURE = "give the surface more points there, ask for less distance, or round the corner"
 
@@ -46,6 +47,15 @@ def hyperbolic_volume(
     guide: Annotated[
         Union[Mesh, StructuredGrid, None],
         Port("Surface or curves that edges stay on", cells=("triangle", "quad", "line"), named=True),
+    ] = None,
+    outer: Annotated[
+        Union[Mesh, StructuredGrid, None],
+        # Cells in another order than the surface's: hosts call the first input just that only if no other is alike.
+        Port(
+            "Surface to end at: closed round a closed one, a shell over an open one",
+            cells=("quad", "triangle"),
+            named=True,
+        ),
     ] = None,
     *,
     first_height: FirstHeightParam = Relative(0.001),
@@ -106,6 +116,9 @@ def hyperbolic_volume(
     guide : Mesh or StructuredGrid, optional
         A surface, such as a wall next to this one, or curves, on which edges stay that ask for it or lie on it. Beyond
         its end it goes straight on.
+    outer : Mesh or StructuredGrid, optional
+        Where layers end, in place of a distance. They are marched half of the least way, and then turn by and by to it,
+        as those of `parabolic`. With no number of layers, it is such that heights grow by `growth` on the longest way.
     edges : {"automatic", "free", "plane", "constant x", "constant y", "constant z", "splay", "guide", "periodic"}
         What the edges of an open surface do. "automatic" keeps those on the guide that lie on it, and finds planes of
         symmetry: sides in a plane that the surface meets within 30 degrees of a right angle; other sides are free.
@@ -171,17 +184,15 @@ def hyperbolic_volume(
     graph = ready.graph
     diagonal = float(np.linalg.norm(np.ptp(graph.points, axis=0)))
     check_size(len(graph.points), 1 if layers is None else layers + 1, parameter="layers")
-    heights = asked_heights(first_height, growth, layers, distance, largest_height, diagonal=diagonal)
+    beyond = None if outer is None else OuterSurface(outer, ready, distance, largest_height)
+    if beyond is None:
+        heights = asked_heights(first_height, growth, layers, distance, largest_height, diagonal=diagonal)
+    else:
+        heights = beyond.heights(absolute(first_height, diagonal), growth, layers)
     check_size(len(graph.points), len(heights) + 1, parameter="layers")
     front = front_edges(ready, first_normals(graph), edges, each_edge, splay, guide)
-    part = part_of(progress, 0.0, 0.8)
-    made, outcome = marched(
-        front.graph, heights, hold=front.hold, volume_smoothing=volume_smoothing, threads=threads, progress=part
-    )
-    advance(progress, 0.8, "checking the layers")
-    made, outcome.stopped_at = front.of_surface(made, outcome.stopped_at)
-    made = _without_crossings(ready, made, outcome)
-    warnings = [*ready.warnings, *front.warnings]
+    made, outcome = _layers(ready, front, heights, beyond, volume_smoothing, threads, progress)
+    warnings = [*ready.warnings, *front.warnings, *([] if beyond is None else beyond.warnings)]
     if outcome.stopped_at >= 0:
         warnings.append(_told_stop(graph, made, outcome, len(heights)))
         if len(made) == 1:
@@ -189,6 +200,33 @@ def hyperbolic_volume(
             raise GenerationFailed(f"no layer could be made: {warnings[-1]}", parameter="surface", points=at)
     result, untold = with_cuts(ready, front.pairs, ready.layered(made))
     return _reported(ready, result, made, heights, outcome, warnings + untold)
+
+
+def _layers(
+    ready: LayerSurface,
+    front: FrontEdges,
+    heights: np.ndarray,
+    beyond: OuterSurface | None,
+    volume_smoothing: float,
+    threads: int | None,
+    progress: Progress,
+) -> tuple[np.ndarray, Outcome]:
+    """The layers of the surface's nodes that are sound and do not meet, up to an outer surface if there is one."""
+    part = 0.8 if beyond is None else 0.4
+    layers, outcome = marched(
+        front.graph,
+        heights if beyond is None else heights[: beyond.marching],
+        hold=front.hold,
+        volume_smoothing=volume_smoothing,
+        threads=threads,
+        progress=part_of(progress, 0.0, part),
+    )
+    advance(progress, part, "checking the layers")
+    made, outcome.stopped_at = front.of_surface(layers, outcome.stopped_at)
+    made = _without_crossings(ready, made, outcome)
+    if beyond is not None:
+        made = beyond.joined(front, layers[: len(made)], heights, outcome, part_of(progress, part, 0.8))
+    return made, outcome
 
 
 def _without_crossings(ready: LayerSurface, made: np.ndarray, outcome: Outcome) -> np.ndarray:

@@ -345,6 +345,16 @@ def check_composites_of_meshes_are_one_surface():
     assert dataset.GetNumberOfPoints() == 4 * (6 * 9 + 12 * 3 + 8)
 
 
+def check_layers_end_on_a_second_input():
+    surface = gallery.six_patches(5)
+    sphere = pv.Sphere(Radius=3.0, ThetaResolution=64, PhiResolution=32)
+    proxy = pv.meshcoreExtrudeHyperbolic(Input=producer(multi_block(surface)), Outer=sphere, FirstHeight=0.05, Layers=8)
+    points = content(fetched(proxy))[0]
+    radius = np.linalg.norm(points, axis=1)
+    assert len(points) == 9 * (6 * 9 + 12 * 3 + 8) and 2.97 < radius.max() < 3 + 1e-6
+    assert (radius > 2.97).sum() == 6 * 9 + 12 * 3 + 8
+
+
 def check_edges_of_blocks_are_named_and_stay_on_a_second_input():
     u, v = np.meshgrid(np.linspace(0, 1, 9), np.linspace(0, 2, 7), indexing="ij")
     points = np.stack([u, v, 0.1 * np.sin(4 * u)], axis=-1)
