@@ -207,7 +207,7 @@ def _past_base(front: Front, points: np.ndarray) -> int:
 def _outer_curve(given: GivenSection, section: Section, outer, shape: str, reach: float, end: np.ndarray) -> OuterCurve:
     ahead = 0.5 * (section.nose + section.tail) - reach * section.direction
     if outer is not None:
-        return OuterCurve.ahead_of(given_outer(outer, given.plane, section, closed=False), section)
+        return OuterCurve.ahead_of(given_outer(outer, given.plane, section.loop, closed=False), section)
     return OuterCurve((c_shape if shape == "C" else half_box)(section, reach, end), ahead)
 
 

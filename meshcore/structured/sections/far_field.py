@@ -150,8 +150,10 @@ def box_corners(section: Section, radius: float) -> np.ndarray:
     return np.array([centre + radius * (x * forward + y * side) for x, y in ((1, -1), (1, 1), (-1, 1), (-1, -1))])
 
 
-def given_outer(curve: Curve, plane: Plane, section: Section, *, closed: bool) -> np.ndarray:
+def given_outer(curve: Curve, plane: Plane, section: np.ndarray, *, closed: bool) -> np.ndarray:
     """(m, 2) float: a far field as the user gives it, in the section's plane; open ones from below to above the wake.
+
+    ``section`` are the section's points there.
 
     Raises
     ------
@@ -172,7 +174,7 @@ def given_outer(curve: Curve, plane: Plane, section: Section, *, closed: bool) -
     loop = flat[:-1] if closed else flat
     if doubled_area(loop) < 0:
         loop, flat = loop[::-1], flat[::-1]
-    refuse_outside(section.loop, loop, plane, "section")
+    refuse_outside(section, loop, plane, "section")
     return loop if closed else flat[::-1]
 
 

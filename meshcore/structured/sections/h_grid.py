@@ -3,44 +3,37 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
-from ...errors import InvalidGeometry
-from ...geometry.curves import Curve, arc_length, is_closed, polyline, turning
-from ...geometry.plane import Plane, fitted_plane
-from ...geometry.section import Section
+from ...geometry.curves import Curve
 from ...mesh import Cut, MultiBlock, StructuredGrid
-from ...operation import Relative, absolute, operation
-from ...progress import Progress, advance, silent
+from ...operation import Port, Relative, operation
+from ...progress import Progress, advance, part_of, silent
 from ...quality import summary, validate
 from ...report import Report, Result
-from ...sizing import cells_for_growth, geometric
-from ..folds import FLAT, refuse_folds
-from ..limits import check_extent, check_size
+from ..folds import refuse_folds
+from ..layer_report import layers_told, worst_skew
 from . import section_parameters as parameters
-from .lines_out import geometric_lines
-from .section_front import respaced_section
-from .section_input import section_loop
-from .section_march import Lines, lines_by
-from .section_result import scaled_jacobians
-from .section_smoothing import smoothed
-from .unwrapped import free_reach, leaving, normals, shifts_beyond
+from .h_lines import interpolated
+from .h_march import lines_of, past_base
+from .h_regions import Region, box_regions, given_regions
+from .h_sides import sides_of
+from .section_march import Lines
+from .section_smoothing import smoothed, wall_of
 
 _CURE = "make the section smoother or thinner, give more points around it, or take c_grid or o_grid"
-_BENDS = (0.3, 0.1, 0.03)
-_STEEP = np.radians(45)
-"""Slope from the flow's direction from which on the front of a section counts as a step."""
-_LEVEL = 1e-6
-"""Of the extent: how far the points of a flat front or rear may be apart along the flow."""
+_NAMES = {"imin": "inflow", "imax": "outflow", "jmin": "wall", "jmax": "far field"}
 
 
 @operation("H Grid", category="Structured", output="blocks")
 def h_grid(
     section: parameters.SectionOrSlitPort,
+    outer: Annotated[Curve | None, Port("A closed far field of four sides round the section", cells=("line",))] = None,
     *,
     radius: parameters.RadiusParam = 10.0,
+    method: parameters.MethodParam = "transfinite",
     first_height: parameters.FirstHeightParam = Relative(0.001),
     y_plus: parameters.YPlusParam = None,
     reynolds: parameters.ReynoldsParam = 1e6,
@@ -71,8 +64,16 @@ def h_grid(
     ----------
     section : Mesh or (n, 3) float
         A closed loop, or an open line: a slit from its first point to its last.
+    outer : Mesh or (m, 3) float, optional
+        A far field of your own in place of the box: a closed curve round the section, such as a channel. Inflow, top,
+        outflow and bottom meet at its four corners, the points farthest towards those of its bounding box.
     radius : float
         Distance of the box from mid-chord, in chords: ahead, above and below.
+    method : {"transfinite", "elliptic", "hyperbolic", "parabolic"}
+        Lines by interpolation between front (section and cuts) and far field; lines that the elliptic equations smooth,
+        with right angles and first heights held at section and cuts; marched off section and cuts at right angles, and
+        from a quarter of the way on drawn onto the far field; or marched onto it. Where straight lines cross, lines of
+        the parabolic march take their place.
     first_height : Length
         Distance of the first points from the section.
     y_plus : float, optional
@@ -106,7 +107,8 @@ def h_grid(
     InvalidInput
         If a length does not fit.
     InvalidGeometry
-        If the section crosses itself, is not in a plane, or without extent.
+        If the section crosses itself, is not in a plane, or without extent; if the far field has not four sides round
+        it.
     GenerationFailed
         If cells are folded; `cells` and `partial`, one block, show where.
 
@@ -121,236 +123,67 @@ def h_grid(
     >>> blocks.names, [cut.name for cut in blocks.cuts]
     (('lower', 'upper'), ['ahead', 'wake'])
     """
-    chains, plane, frame, diagonal, warnings = _chains(section, around, leading_spacing, trailing_spacing, flow)
-    chord = float(np.linalg.norm(chains[0].points[-1] - chains[0].points[0]))
-    both = np.vstack([chain.points for chain in chains])
-    height = parameters.wall_height(first_height, y_plus, reynolds, both, chord, diagonal, radius * chord)
-    reach, behind = radius * chord, (wake or radius) * chord
-    ahead_line, wake_line = _lines_of_cuts(chains, reach, behind, wake_growth)
-    blocks, ratios = [], []
-    split: Counter[str] = Counter()
-    for number, chain in enumerate(chains):
-        advance(progress, 0.1 + 0.4 * number, "choosing lines")
-        lower = number == 0
-        up = np.array([1, -1]) if lower else np.array([1, 1])
-        points, ratio = _half(chain, ahead_line * up, wake_line * up, reach, height, layers, growth)
-        method, points, told, changed = _uncrossed(points, len(ahead_line) - 1, len(wake_line) - 1)
-        ratios.append(ratio)
-        split.update(changed)
-        local = points[:, ::-1] * up if lower else points
-        spatial = plane.to_space((local @ frame).reshape(-1, 2)).reshape(*local.shape[:2], 3)
-        far, wall = ("jmin", "jmax") if lower else ("jmax", "jmin")
-        names = {"imin": "inflow", "imax": "outflow", far: "far field", wall: "wall"}
-        block = StructuredGrid(spatial, names=names)
-        if method == "elliptic":
-            block, _, more = smoothed(block, None, _CURE, silent)
-            told += more
-        warnings += [f"{'below' if lower else 'above'} the section: {text}" for text in told]
-        blocks.append(block)
-        refuse_folds(blocks[-1], _CURE)
-        validate(blocks[-1])
-    grid = _joined(blocks, len(ahead_line) - 1, len(wake_line) - 1)
+    sides = sides_of(section, around, leading_spacing, trailing_spacing, flow)
+    chord = float(np.linalg.norm(sides.upper.points[-1] - sides.upper.points[0]))
+    both = np.vstack([sides.lower.points, sides.upper.points])
+    if outer is None:
+        reach = radius * chord
+        regions = box_regions(sides, reach, (wake or radius) * chord, wake_growth)
+    else:
+        regions = given_regions(sides, outer, wake_growth)
+        reach = min(float(region.top[:, 1].min() - region.front[:, 1].max()) for region in regions)
+    height = parameters.wall_height(first_height, y_plus, reynolds, both, chord, sides.diagonal, reach)
+    warnings, blocks = list(sides.warnings), []
+    changed: Counter[str] = Counter()
+    for region, name, step in zip(regions, ("below", "above"), ((0.0, 0.5), (0.5, 1.0)), strict=True):
+        advance(progress, step[0], "choosing lines")
+        lines = _lines(region, method, height, layers, growth, part_of(progress, *step))
+        changed.update(lines.counts)
+        warnings += [f"{name} the section: {text}" for text in lines.warnings]
+        local = lines.points @ region.axes
+        spatial = sides.plane.to_space(local.reshape(-1, 2)).reshape(*local.shape[:2], 3)
+        blocks.append(StructuredGrid(spatial, names=_NAMES))
+    grid = _joined(blocks, regions)
+    for block in grid.blocks:
+        refuse_folds(block, _CURE)
+        validate(block)
+    walls = [block.points[region.nose : region.tail + 1, :, 0] for block, region in zip(blocks, regions, strict=True)]
     counts = {"points": grid.n_points, "quads": grid.n_cells, "layers": blocks[0].cell_shape[1]}
-    counts |= {"ahead": len(ahead_line) - 1, "wake": len(wake_line) - 1, **split}
-    told = {"first height": height, **({} if y_plus is None else {"y+": y_plus}), "largest growth": max(ratios)}
-    quality = {**summary(grid.to_mesh()), **told}
+    counts |= {"ahead": regions[0].nose, "wake": len(regions[0].front) - 1 - regions[0].tail, **changed}
+    told = {} if y_plus is None else {"y+": y_plus}
+    skew = {name: max(worst_skew(block)[name] for block in blocks) for name in worst_skew(blocks[0])}
+    quality = {**summary(grid.to_mesh()), **told, **layers_told(np.concatenate(walls), height), **skew}
     return Result(grid, Report(counts=counts, quality=quality, warnings=warnings))
 
 
-@dataclass(frozen=True)
-class _Chain:
-    """One side of a section, from nose to tail, x along the flow and y away from the section.
-
-    Attributes
-    ----------
-    points : (n, 2) float
-        From the middle of the front, or the nose, to the middle of the rear, or the trailing edge.
-    first, last : int
-        Where the steps of its front and rear end and begin.
-    """
-
-    points: np.ndarray
-    first: int
-    last: int
-
-
-def _chains(section: Curve, around, leading, trailing, flow: float):
-    """Lower and upper side (the lower one upside down), plane, axes of the flow (2, 2), diagonal, and warnings."""
-    points = polyline(section, "section")
-    if not is_closed(points) and not _narrow(points):
-        return _slit(points, flow)
-    given = section_loop(section)
-    lead, trail = (None if x is None else absolute(x, given.diagonal) for x in (leading, trailing))
-    if around is not None:
-        check_size(around + 1, 2, parameter="around")
-    shape = respaced_section(Section.of(given.loop), around, lead, trail)
-    loop = shape.loop
-    along = _turned(shape.direction, flow)
-    if shape.edge == "round" or len(np.flatnonzero(np.abs(turning(loop)) > np.radians(60))) > 3:
-        along = _turned(np.array([1.0, 0.0]), flow)  # bodies without a trailing edge, and slabs
-    frame = np.array([along, [-along[1], along[0]]])
-    local = loop @ frame.T
-    tail = _end(local, shape.lower if shape.edge == "blunt" else None)
-    nose = _end(local * [-1, 1], None)
-    upper = _side(local, nose, tail)
-    lower = _side(local[::-1] * [1, -1], *((len(local) - 1 - a, len(local) - 1 - b) for b, a in (nose, tail)))
-    return (lower, upper), given.plane, frame, given.diagonal, list(given.warnings)
+def _lines(region: Region, method: str, height: float, layers: int | None, growth: float, progress: Progress) -> Lines:
+    """The lines of one block, in its region."""
+    points = interpolated(region, height, layers, growth)
+    kept = past_base(region, points)
+    lines = lines_of(method, region, points, height, kept, part_of(progress, 0.0, 0.4))
+    if lines.method != "elliptic":
+        return lines
+    flat = np.concatenate([lines.points, np.zeros((*lines.points.shape[:2], 1))], axis=2)
+    outside = StructuredGrid(flat[:, kept:], names=_NAMES)
+    wall = wall_of(outside, np.ones(len(flat)) if kept else _at_corners(region))
+    outside, _, told = smoothed(outside, wall, _CURE, part_of(progress, 0.4, 1.0))
+    whole = np.concatenate([lines.points[:, :kept], outside.points[:, :, 0, :2]], axis=1)
+    beyond = "beyond the layers that round the edge: " if kept else ""
+    return lines._replace(points=whole, warnings=[*lines.warnings, *(beyond + text for text in told)])
 
 
-def _narrow(points: np.ndarray) -> bool:
-    """Whether an open line is a section whose trailing edge is open, rather than a slit."""
-    gap = float(np.linalg.norm(points[-1] - points[0]))
-    return len(points) > 3 and gap < 0.05 * float(np.ptp(points, axis=0).max())
+def _at_corners(region: Region) -> np.ndarray:
+    """(n,) float: where lines keep their angles, 1 at the corners of the front and the next points."""
+    corners = np.unique([region.nose, region.first, region.last, region.tail])
+    return (np.abs(np.arange(len(region.front))[:, None] - corners) < 2).any(axis=1).astype(float)
 
 
-def _slit(points: np.ndarray, flow: float):
-    diagonal = check_extent(points, parameter="section")
-    straight = np.ptp(points - points[0], axis=0).max() > 0
-    try:
-        plane = fitted_plane(points, parameter="section")
-    except InvalidGeometry:
-        if not straight:
-            raise
-        plane = Plane(np.zeros(3), np.eye(3)[:2])
-    line = plane.to_plane(points)
-    line = line if line[0, 0] <= line[-1, 0] else line[::-1]
-    along = _turned((line[-1] - line[0]) / np.linalg.norm(line[-1] - line[0]), flow)
-    frame = np.array([along, [-along[1], along[0]]])
-    local = line @ frame.T
-    if (np.diff(local[:, 0]) <= 0).any():
-        raise InvalidGeometry("is a slit that turns back against the flow; make it shallower", parameter="section")
-    n = len(local) - 1
-    return (_Chain(local * [1, -1], 0, n), _Chain(local, 0, n)), plane, frame, diagonal, []
-
-
-def _turned(direction: np.ndarray, degrees: float) -> np.ndarray:
-    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
-    return np.array([c * direction[0] - s * direction[1], s * direction[0] + c * direction[1]])
-
-
-def _end(local: np.ndarray, lower: int | None) -> tuple[int, int]:
-    """Numbers of the lower and the upper corner of the rear of a counter-clockwise loop; the same if it is a point."""
-    if lower is not None:
-        return lower, 0
-    x = local[:, 0]
-    rear = np.flatnonzero(x > x.max() - _LEVEL * np.ptp(x))
-    order = rear[np.argsort(local[rear, 1])]
-    return int(order[0]), int(order[-1])
-
-
-def _side(local: np.ndarray, nose: tuple[int, int], tail: tuple[int, int]) -> _Chain:
-    """The upper side of a counter-clockwise loop: from the middle of its front over the top to that of its rear.
-
-    ``nose`` and ``tail`` are the lower and upper corners of front and rear.
-    """
-    n = len(local)
-    count = (nose[1] - tail[1]) % n
-    top = local[(nose[1] - np.arange(count + 1)) % n]
-    edges = np.linalg.norm(np.diff(top, axis=0), axis=1)
-    front = _face(0.5 * (local[nose[0]] + local[nose[1]]), top[0], edges[0])
-    rear = _face(top[-1], 0.5 * (local[tail[0]] + local[tail[1]]), edges[-1])
-    points = np.vstack([front[:-1], top, rear[1:]])
-    first, last = len(front) - 1, len(points) - len(rear)
-    if first == 0:
-        first = _steep_until(points)
-    if last == len(points) - 1:
-        last = len(points) - 1 - _steep_until(points[::-1] * [-1, 1])
-    return _Chain(points, first, max(last, first))
-
-
-def _face(start: np.ndarray, stop: np.ndarray, size: float) -> np.ndarray:
-    """Points of half a flat front or rear, in cells of about a size; one point where there is none."""
-    length = float(np.linalg.norm(stop - start))
-    if length == 0:
-        return start[None]
-    cells = int(np.clip(round(length / size), 2, 200))
-    return start + np.linspace(0, 1, cells + 1)[:, None] * (stop - start)
-
-
-def _steep_until(points: np.ndarray) -> int:
-    """Number of the point up to which a side rises steeply from its nose; 0 if it does not."""
-    edge = np.diff(points, axis=0)
-    steep = np.arctan2(edge[:, 1], edge[:, 0]) > _STEEP
-    return int(np.argmin(steep)) if not steep.all() else len(points) // 2
-
-
-def _lines_of_cuts(chains: tuple[_Chain, _Chain], reach: float, behind: float, growth: float):
-    """(k, 2) points ahead of the section, from the inflow to it, and behind it, of the upper side."""
-    upper = chains[1].points
-    middle = 0.5 * (upper[0, 0] + upper[-1, 0])
-    sizes = [min(np.linalg.norm(c.points[k[0]] - c.points[k[1]]) for c in chains) for k in ((0, 1), (-1, -2))]
-    ahead = _growing(reach - (middle - upper[0, 0]), sizes[0], growth)
-    wake = _growing(behind, sizes[1], growth)
-    return (
-        upper[0] + np.column_stack([-ahead[::-1], 0 * ahead]),
-        upper[-1] + np.column_stack([wake, 0 * wake]),
-    )
-
-
-def _growing(length: float, first: float, growth: float) -> np.ndarray:
-    share = min(first / length, 0.2)
-    return length * geometric(max(2, cells_for_growth(share, growth)), first=share)
-
-
-def _half(
-    chain: _Chain, ahead: np.ndarray, wake: np.ndarray, reach: float, height: float, layers: int | None, growth: float
-) -> tuple[np.ndarray, float]:
-    """(n, layers + 1, 2) points of one block, j away from the section, and the largest growth."""
-    front = np.vstack([ahead[:-1], chain.points, wake[1:]])
-    nose, tail = len(ahead) - 1, len(ahead) - 1 + len(chain.points) - 1
-    first, last = nose + chain.first, nose + chain.last
-    n, shifts = len(front) - 1, []
-    if last < tail:
-        shifts.append(shifts_beyond(front, last, tail))
-    if first > nose:
-        shifts.append(shifts_beyond(front[::-1] * [-1, 1], n - first, n - nose)[:, ::-1] * [[-1], [1]])
-    for amount, _ in shifts:
-        amount[[0, -1]] = 0.0
-    normal = normals(front)
-    normal[: first + (first > nose)] = normal[last + (last == tail) :] = 1j
-    free = free_reach(front, np.unique([nose, first, last, tail]))
-    w, up = front[:, 0] + 1j * front[:, 1], np.full(len(front), 1j)
-    top = 0.5 * (chain.points[0, 1] + chain.points[-1, 1]) + reach
-    chord, still = float(np.ptp(chain.points[:, 0])), np.zeros((2, len(front)))
-
-    def lines(t: np.ndarray, bend: float, moved: list[np.ndarray]) -> np.ndarray:
-        d = t * (top - w.imag)[:, None]
-        turned = leaving(normal, free, still, bend * chord, d) * (1 - t) ** 2
-        # Lines that begin above each other stay side by side up to the far field.
-        found = w[:, None] + 1j * d + turned + sum(leaving(up, free, shift, bend * chord, d) for shift in moved)
-        return np.stack([found.real, found.imag], axis=-1)
-
-    levels = np.broadcast_to(np.concatenate([[0.0], np.geomspace(1e-4, 1, 24)]), (len(w), 25))
-    worst = [scaled_jacobians(lines(levels, bend, shifts)).min() for bend in _BENDS]
-    bend = _BENDS[int(np.argmax(worst))]
-    heights = np.full(len(w), height)
-    # Beside steps lines that are moved sideways take the levels of lines that are not.
-    t, ratio = geometric_lines(lambda t: lines(t, bend, []), heights, layers, growth)
-    points = lines(t, bend, shifts)
-    points[:, 0] = front
-    return points, ratio
-
-
-def _uncrossed(points: np.ndarray, ahead: int, wake: int) -> Lines:
-    """Lines of a block that march instead where they crossed, onto a far field along which they keep their order.
-
-    ``ahead`` and ``wake`` are the cells before and behind the section.
-    """
-    if (scaled_jacobians(points) > FLAT).all():
-        return Lines("transfinite", points, [], {})
-    points, last = points.copy(), len(points) - 1 - wake
-    length = arc_length(points[ahead : last + 1, 0])
-    start, stop = points[[ahead, last], 0, 0]
-    points[:, -1, 0] = points[:, 0, 0]
-    points[ahead : last + 1, -1, 0] = start + (stop - start) * length / length[-1]
-    return lines_by("transfinite", points, closed=False, progress=silent)
-
-
-def _joined(blocks: list[StructuredGrid], ahead: int, wake: int) -> MultiBlock:
-    """Both blocks, made to meet to the last bit, with their cuts."""
-    lower, upper = blocks
-    (n, m, _), k = lower.shape, upper.shape[0]
-    points = lower.points.copy()
+def _joined(blocks: list[StructuredGrid], regions: tuple[Region, Region]) -> MultiBlock:
+    """Both blocks, the lower one turned upright, made to meet to the last bit, with their cuts."""
+    upper = blocks[1]
+    points = blocks[0].points[:, ::-1].copy()
+    (n, m, _, _), k = points.shape, upper.shape[0]
+    ahead, wake = regions[0].nose, n - 1 - regions[0].tail
     points[: ahead + 1, -1] = upper.points[: ahead + 1, 0]
     points[n - 1 - wake :, -1] = upper.points[k - 1 - wake :, 0]
     before = Cut(((0, m - 1, 0), (ahead, m - 1, 0)), ((0, 0, 0), (ahead, 0, 0)), (1, 2, 3), 0, 1, name="ahead")
@@ -362,4 +195,6 @@ def _joined(blocks: list[StructuredGrid], ahead: int, wake: int) -> MultiBlock:
         1,
         name="wake",
     )
-    return MultiBlock((lower.with_points(points), upper), ("lower", "upper"), (before, behind))
+    names = {**_NAMES, "jmin": _NAMES["jmax"], "jmax": _NAMES["jmin"]}
+    lower = StructuredGrid(points, names=names)
+    return MultiBlock((lower, upper), ("lower", "upper"), (before, behind))

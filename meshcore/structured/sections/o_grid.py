@@ -145,7 +145,9 @@ def o_grid(
     far = PolarCurve(centre, reach)
     if outer is not None or far_field == "box":
         shape = SectionShape.of(given.loop)
-        closed = box_corners(shape, reach) if outer is None else given_outer(outer, given.plane, shape, closed=True)
+        closed = (
+            box_corners(shape, reach) if outer is None else given_outer(outer, given.plane, shape.loop, closed=True)
+        )
         far = PolarCurve(centre, closed)
     points = _wrapped(loop, far, chord, height, growth, layers, part_of(progress, 0.0, 0.6))
     points = points[::-1]  # clockwise, so that i, j are right-handed

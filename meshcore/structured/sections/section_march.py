@@ -83,12 +83,12 @@ def _marched(points: np.ndarray, method: str, closed: bool, progress: Progress, 
     warnings: list[str] = []
     ends = (OnCurve(points[0, kept:]), OnCurve(points[-1, kept:]))
     if not kept:
-        steps = _with_first_heights(front, steps, closed, ends)
+        steps = heights_for_march(front, steps, closed, ends)
     if method == "hyperbolic":
         found = hyperbolic_march.marched(front, steps.T, closed=closed, ends=ends, progress=part_of(progress, 0.0, 0.5))
         if found.stop is None:
             return _whole(method, points, found, kept, closed, warnings)
-        warnings.append(f"the hyperbolic march {_told(found.stop)}; the parabolic one took its place")
+        warnings.append(f"the hyperbolic march {stop_told(found.stop)}; the parabolic one took its place")
     fractions = np.concatenate([np.zeros((1, len(lines))), np.cumsum(steps, axis=1).T])
     fractions /= fractions[-1]
     fractions[-1] = 1.0
@@ -102,11 +102,11 @@ def _marched(points: np.ndarray, method: str, closed: bool, progress: Progress, 
     )
     if found.stop is None:
         return _whole(method, points, found, kept, closed, warnings)
-    stopped = f"the parabolic march {_told(found.stop)}; the elliptic equations took its place"
+    stopped = f"the parabolic march {stop_told(found.stop)}; the elliptic equations took its place"
     return Lines("elliptic", points, [*warnings, stopped], {})
 
 
-def _with_first_heights(front: np.ndarray, steps: np.ndarray, closed: bool, ends: tuple[End, End]) -> np.ndarray:
+def heights_for_march(front: np.ndarray, steps: np.ndarray, closed: bool, ends: tuple[End, End]) -> np.ndarray:
     """(n, layers) heights that make the march's first layer as high as the first of those given.
 
     A march holds areas, and on coarse points, where the front turns by many degrees from edge to edge, an area is not
@@ -131,7 +131,8 @@ def _whole(method: str, points: np.ndarray, found: Marched, kept: int, closed: b
     return Lines(method, np.concatenate([points[:, :kept], made], axis=1), [*warnings, *changed], counts)
 
 
-def _told(stop: Stop) -> str:
+def stop_told(stop: Stop) -> str:
+    """Where and why a march stopped, in the section's plane."""
     x, y = stop.place
     concave = f", where the front is concave by {stop.concavity:.0f} degrees" if stop.concavity > 1 else ""
     return f"stopped at layer {stop.layer}, point {stop.point} near ({x:.6g}, {y:.6g}), as {stop.reason}{concave}"

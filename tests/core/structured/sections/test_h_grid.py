@@ -20,6 +20,7 @@ SECTIONS = {
     "slit": SLIT,
     "bent slit": np.column_stack([X, 0.1 * np.sin(np.pi * X)]),
 }
+ZIGZAG = [[3, -2], [3, 2], [-4, 2], [-2, 0.5], [-3, -0.2], [-2, 0.2], [-3, -0.5], [-4, -2], [3, -2.0]]
 
 
 def assert_sound(blocks):
@@ -37,7 +38,7 @@ def test_no_cell_is_folded_and_the_blocks_meet(name, height):
     keywords = {"around": 80} if name == "slab" else {}
     blocks, report = mc.h_grid(SECTIONS[name], first_height=height, **keywords)
     mesh = assert_sound(blocks)
-    assert report.quality["first height"] == height and report.quality["largest growth"] <= 1.151
+    assert report.quality["first height"] == height and report.quality["largest growth"] <= 1.02 * 1.15
     sides = mc.with_named_sides(blocks)
     assert set(sides.sets) == {"wall", "far field", "inflow", "outflow"}
     on_wall = sides.points[sides.get("line")[sides.sets["wall"] - mesh.n_cells]]
@@ -45,6 +46,84 @@ def test_no_cell_is_folded_and_the_blocks_meet(name, height):
     loop = polyline(SECTIONS[name])
     whole = np.linalg.norm(np.diff(loop, axis=0), axis=1).sum() * (2 if "slit" in name else 1)
     assert length == pytest.approx(whole, rel=1e-3)
+
+
+METHODS = ("elliptic", "hyperbolic", "parabolic")
+CHANNEL = np.array([[-2, -1.2], [0.5, -1.0], [3, -1.4], [3.2, 1.5], [0, 1.1], [-2.2, 1.4], [-2, -1.2]])
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("name", SECTIONS)
+def test_each_method_fills_the_box_without_a_folded_cell(name, method):
+    keywords = {"around": 80} if name == "slab" else {}
+    blocks, report = mc.h_grid(SECTIONS[name], method=method, first_height=1e-4, radius=5, **keywords)
+    assert_sound(blocks)
+    assert not report.warnings or method == "elliptic"
+    plain, _ = mc.h_grid(SECTIONS[name], first_height=1e-4, radius=5, **keywords)
+    for block, flat in zip(blocks.blocks, plain.blocks, strict=True):
+        assert block.shape == flat.shape
+        assert block.to_mesh().bounds == pytest.approx(flat.to_mesh().bounds, abs=1e-9)
+        far = block.points[[0, -1]] - flat.points[[0, -1]]
+        assert np.abs(far[..., 0]).max() < 1e-9  # inflow and outflow are upright
+        wall = -1 if block.names["jmax"] == "wall" else 0
+        assert np.array_equal(block.points[:, wall], flat.points[:, wall])
+        assert np.abs(block.points - flat.points).max() > 1e-3 or "slit" in name
+
+
+@pytest.mark.parametrize("method", ["hyperbolic", "parabolic"])
+@pytest.mark.parametrize("name", ["circle", "square", "slit", "bent slit", "rae2822", "s1223"])
+def test_marches_leave_section_and_cuts_with_the_height_asked_for(name, method):
+    """Alike on both sides of the cuts, and growing as asked on the way."""
+    blocks, _ = mc.h_grid(SECTIONS[name], method=method, first_height=1e-5)
+    lower, upper = blocks.blocks[0].points[:, ::-1, 0], blocks.blocks[1].points[:, :, 0]
+    for points in (lower, upper):
+        heights = np.linalg.norm(np.diff(points, axis=1), axis=2)
+        assert np.abs(heights[:, 0] / 1e-5 - 1).max() < 0.02
+        mean = heights.mean(axis=0)
+        growth = mean[1:] / mean[:-1]
+        off = np.abs(growth / np.median(growth) - 1)
+        assert off[:-15].max() < 0.05 and (off < 0.02).mean() > 0.9 and np.median(growth) < 1.151
+    ahead = blocks.cuts[0].points[1][0]
+    apart = upper[1 : ahead - 1, 1] - lower[1 : ahead - 1, 1]
+    assert np.abs(apart[:, 0]).max() < 1e-5
+
+
+@pytest.mark.parametrize("name", ["circle", "square", "rae2822", "s1223", "slit"])
+def test_the_elliptic_equations_hold_right_angles_and_heights(name):
+    blocks, _ = mc.h_grid(SECTIONS[name], method="elliptic", first_height=1e-4)
+    for points in (blocks.blocks[0].points[:, ::-1, 0], blocks.blocks[1].points[:, :, 0]):
+        heights = np.linalg.norm(points[:, 1] - points[:, 0], axis=1) / 1e-4
+        assert (np.abs(heights - 1) < 0.02).mean() > 0.9
+        along, away = points[2:, 0] - points[:-2, 0], (points[:, 1] - points[:, 0])[1:-1]
+        sine = (along * away).sum(axis=1) / np.linalg.norm(along, axis=1) / np.linalg.norm(away, axis=1)
+        assert np.median(np.abs(np.degrees(np.arcsin(sine)))) < 1
+
+
+@pytest.mark.parametrize("method", ["transfinite", *METHODS])
+def test_a_channel_of_your_own_is_met_on_all_four_sides(method):
+    blocks, _ = mc.h_grid(gallery.airfoil("rae2822"), CHANNEL, method=method, first_height=1e-3)
+    assert_sound(blocks)
+    lower, upper = (block.points[:, :, 0, :2] for block in blocks.blocks)
+    for line in (lower[0], lower[-1], lower[:, 0], upper[0], upper[-1], upper[:, -1]):
+        assert distance_to(CHANNEL, line).max() < 1e-9
+    corners = lower[0, 0], lower[-1, 0], upper[-1, -1], upper[0, -1]
+    assert np.abs(np.array(corners) - CHANNEL[[0, 2, 3, 5]]).max() < 1e-9
+    heights = np.linalg.norm(upper[:, 1] - upper[:, 0], axis=1)
+    assert np.median(heights) == pytest.approx(1e-3, rel=0.02)
+
+
+def distance_to(line, points):
+    """Of points from a polyline."""
+    start, edge = line[:-1], np.diff(line, axis=0)
+    away = points[:, None] - start
+    share = np.clip((away * edge).sum(axis=2) / (edge**2).sum(axis=1), 0, 1)
+    return np.linalg.norm(away - share[..., None] * edge, axis=2).min(axis=1)
+
+
+def test_a_round_far_field_has_corners_where_it_is_diagonal():
+    blocks, _ = mc.h_grid(gallery.airfoil("naca0012"), gallery.circle(80, radius=4, centre=(0.5, 0)), first_height=1e-3)
+    assert_sound(blocks)
+    assert blocks.blocks[1].points[0, -1, 0] == pytest.approx([0.5 - 8**0.5, 8**0.5, 0], abs=1e-9)
 
 
 def test_the_box_is_where_it_is_asked():
@@ -86,6 +165,11 @@ def test_operators_go_through_the_cuts():
         (gallery.airfoil("rae2822"), {"first_height": 8.0}, InvalidInput, "first_height"),
         (gallery.airfoil("rae2822"), {"layers": 10**9}, InvalidInput, "layers"),
         (np.zeros((3, 2)), {}, InvalidGeometry, "different points"),
+        (SLIT, {"outer": CHANNEL[:-1]}, InvalidGeometry, "outer: is open"),
+        (SLIT, {"outer": CHANNEL + [9, 0]}, InvalidGeometry, "does not hold the section"),
+        (SLIT, {"outer": [[-1, -1], [2, -1], [0, 2], [-1, -1]]}, InvalidGeometry, "four corners"),
+        (SLIT, {"outer": ZIGZAG}, InvalidGeometry, "crossed 3 times at its inflow"),
+        (SLIT, {"outer": CHANNEL, "first_height": 2.0}, InvalidInput, "first_height"),
     ],
 )
 def test_bad_input_gets_a_clear_error(section, keywords, error, words):
