@@ -1628,7 +1628,7 @@ class meshcoreEllipticSmoothing(Operation):
     """
     <Documentation short_help="H Grid">Make an H-grid of quadrilaterals round a section in a box: a block above it
     and a block below.</Documentation>
-    <InputProperty name="Input" label="Input" port_index="0" command="SetInputConnection">
+    <InputProperty name="Input" label="Section" port_index="0" command="SetInputConnection">
       <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
       <DataTypeDomain name="input_type" composite_data_supported="0">
         <DataType value="vtkDataSet"/>
@@ -1636,10 +1636,23 @@ class meshcoreEllipticSmoothing(Operation):
       <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
       <Documentation>One closed loop in a plane, or an open line: a slit.</Documentation>
     </InputProperty>
+    <InputProperty name="Outer" label="Outer" port_index="1" command="SetInputConnection">
+      <ProxyGroupDomain name="groups"><Group name="sources"/><Group name="filters"/></ProxyGroupDomain>
+      <DataTypeDomain name="input_type" composite_data_supported="0">
+        <DataType value="vtkDataSet"/>
+      </DataTypeDomain>
+      <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
+      <Documentation>A closed far field of four sides round the section.</Documentation>
+      <Hints><Optional/></Hints>
+    </InputProperty>
     <DoubleVectorProperty name="Radius" label="Radius" command="SetRadius" number_of_elements="1" default_values="10.0" panel_visibility="default">
       <DoubleRangeDomain name="range" min="1" max="100"/>
       <Documentation>Distance of the far field from mid-chord, in chords.</Documentation>
     </DoubleVectorProperty>
+    <IntVectorProperty name="Method" label="Method" command="SetMethod" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="transfinite"/><Entry value="1" text="elliptic"/><Entry value="2" text="hyperbolic"/><Entry value="3" text="parabolic"/></EnumerationDomain>
+      <Documentation>How the grid between section and far field is made.</Documentation>
+    </IntVectorProperty>
     <DoubleVectorProperty name="FirstHeight" label="First Height" command="SetFirstHeight" number_of_elements="1" default_values="-1" panel_visibility="default">
       <BoundsDomain name="range" mode="scaled_extent" scale_factor="0.001"><RequiredProperties><Property name="Input" function="Input"/></RequiredProperties></BoundsDomain>
       <Documentation>Height of the cells at the section; -1 takes 0.1% of the diagonal of the input's bounding
@@ -1689,6 +1702,7 @@ class meshcoreEllipticSmoothing(Operation):
     </DoubleVectorProperty>
     <PropertyGroup label="Parameters">
       <Property name="Radius"/>
+      <Property name="Method"/>
       <Property name="Layers"/>
       <Property name="Around"/>
       <Property name="Wake"/>
@@ -1708,11 +1722,14 @@ class meshcoreEllipticSmoothing(Operation):
 class meshcoreHGrid(Operation):
     operation = "h_grid"
     label = "meshcore H Grid"
-    ports = (("section", "curve", False),)
+    ports = (("section", "curve", False), ("outer", "curve", True))
     output = "vtkMultiBlockDataSet"
 
     def SetRadius(self, value):
         self.set("radius", value)
+
+    def SetMethod(self, value):
+        self.set("method", ('transfinite', 'elliptic', 'hyperbolic', 'parabolic')[value])
 
     def SetFirstHeight(self, value):
         self.set("first_height", value if value > 0 else BY_DEFAULT)

@@ -46,6 +46,7 @@ THICK = 0.8  # aspect ratio, height over length, from which on cells have most o
 LEANING = 12  # lines beside an end that lean like it
 SPREAD = 4  # passes that smooth the dissipation along the front
 PARABOLIC = 1.0  # weight of the elliptic equation's r_xixi |r_eta|^2 / |r_xi|^2 on the way to an outer front
+UNFOLDING = 4.0  # dissipation, in aspect ratios, that cells may have to unfold others: flat ones would only slide along
 FLAT = 1e-9  # sine of a corner's angle below which a cell counts as folded
 SOUND = 0.05  # sine from which on a layer is taken as it is
 ATTEMPTS = 7  # each with twice as many steps
@@ -266,7 +267,7 @@ def dissipation(r, kind, base, drawing, scratch):
         aspect, lead = h[k] / s[k], scratch[LEAD, k]
         concave = min(1.0, max(0.0, turn[k] / CONCAVE))
         drawn = drawing * strength[k]
-        e = (1 - lead) * (drawn + PARABOLIC * lead * aspect * aspect + boost[k])
+        e = (1 - lead) * (drawn + PARABOLIC * lead * aspect * aspect + boost[k] * min(1.0, UNFOLDING * aspect))
         c = (1 - lead) * (strength[k] - drawn + base * weight(aspect, turn[k]) * aspect)
         uneven = (1 - concave) * (after_over_mean(r, k) - 1)
         before, after = e + c * (1 + uneven), e + c * (1 - uneven)

@@ -151,9 +151,16 @@ def h_grid(
     counts = {"points": grid.n_points, "quads": grid.n_cells, "layers": blocks[0].cell_shape[1]}
     counts |= {"ahead": regions[0].nose, "wake": len(regions[0].front) - 1 - regions[0].tail, **changed}
     told = {} if y_plus is None else {"y+": y_plus}
-    skew = {name: max(worst_skew(block)[name] for block in blocks) for name in worst_skew(blocks[0])}
-    quality = {**summary(grid.to_mesh()), **told, **layers_told(np.concatenate(walls), height), **skew}
+    reached = [{**layers_told(wall, height), **worst_skew(block)} for wall, block in zip(walls, blocks, strict=True)]
+    quality = {**summary(grid.to_mesh()), **told, **{name: _both(name, *reached) for name in reached[0]}}
     return Result(grid, Report(counts=counts, quality=quality, warnings=warnings))
+
+
+def _both(name: str, below: dict[str, float], above: dict[str, float]) -> float:
+    """A figure of two blocks: the worse of theirs, but the mean of total heights."""
+    if name == "total height":
+        return 0.5 * (below[name] + above[name])
+    return (min if name.startswith("least") else max)(below[name], above[name])
 
 
 def _lines(region: Region, method: str, height: float, layers: int | None, growth: float, progress: Progress) -> Lines:

@@ -14,7 +14,7 @@ from ..marching.hyperbolic_march import Stop
 from ..marching.marching_ends import OnCurve
 from .h_lines import on_top, steps_up
 from .h_regions import Region
-from .section_march import Lines, stop_told, heights_for_march
+from .section_march import Lines, heights_for_march, stop_told
 from .section_result import scaled_jacobians
 
 _PART = 0.25
