@@ -16,14 +16,17 @@ from ...report import Report, Result
 from ..folds import refuse_folds
 from ..layer_report import layers_told, worst_skew
 from . import section_parameters as parameters
-from .h_lines import interpolated
+from .h_lines import evenly_growing, interpolated
 from .h_march import lines_of, past_base
 from .h_regions import Region, box_regions, given_regions
 from .h_sides import sides_of
 from .section_march import Lines
+from .section_result import scaled_jacobians
 from .section_smoothing import smoothed, wall_of
 
 _CURE = "make the section smoother or thinner, give more points around it, or take c_grid or o_grid"
+_WORSE = 0.2
+"""Share of the march's worst scaled Jacobian that elliptic grids must have."""
 _NAMES = {"imin": "inflow", "imax": "outflow", "jmin": "wall", "jmax": "far field"}
 
 
@@ -168,15 +171,30 @@ def _lines(region: Region, method: str, height: float, layers: int | None, growt
     points = interpolated(region, height, layers, growth)
     kept = past_base(region, points)
     lines = lines_of(method, region, points, height, kept, part_of(progress, 0.0, 0.4))
-    if lines.method != "elliptic":
+    if lines.method == "transfinite":
         return lines
-    flat = np.concatenate([lines.points, np.zeros((*lines.points.shape[:2], 1))], axis=2)
-    outside = StructuredGrid(flat[:, kept:], names=_NAMES)
-    wall = wall_of(outside, np.ones(len(flat)) if kept else _at_corners(region))
-    outside, _, told = smoothed(outside, wall, _CURE, part_of(progress, 0.4, 1.0))
-    whole = np.concatenate([lines.points[:, :kept], outside.points[:, :, 0, :2]], axis=1)
+    told: list[str] = []
+    whole = np.concatenate([lines.points, np.zeros((*lines.points.shape[:2], 1))], axis=2)
+    outside = StructuredGrid(whole[:, kept:], names=_NAMES)
+    if lines.method == "elliptic":
+        kept_angles = np.ones(len(whole)) if kept else _at_corners(region)
+        outside, told = _smoothed(outside, kept_angles, part_of(progress, 0.4, 1.0))
+    made = evenly_growing(region, outside.points[:, :, 0, :2], height if kept == 0 else None)
     beyond = "beyond the layers that round the edge: " if kept else ""
+    whole = np.concatenate([lines.points[:, :kept], made], axis=1)
     return lines._replace(points=whole, warnings=[*lines.warnings, *(beyond + text for text in told)])
+
+
+def _smoothed(grid: StructuredGrid, kept: np.ndarray, progress: Progress) -> tuple[StructuredGrid, list[str]]:
+    """The elliptic equations' grid, its front held or else free, unless cells get much worse; what is to be told."""
+    least = _WORSE * scaled_jacobians(grid.points[:, :, 0, :2]).min()
+    found, _, told = smoothed(grid, wall_of(grid, kept), _CURE, progress)
+    if scaled_jacobians(found.points[:, :, 0, :2]).min() > least:
+        return found, told
+    found, _, told = smoothed(grid, None, _CURE, progress)
+    if scaled_jacobians(found.points[:, :, 0, :2]).min() > least:
+        return found, ["held angles and heights made cells much worse; they were left free", *told]
+    return grid, ["the elliptic equations made cells much worse; the parabolic march stays"]
 
 
 def _at_corners(region: Region) -> np.ndarray:

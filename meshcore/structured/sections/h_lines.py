@@ -8,10 +8,13 @@ from ...geometry.curves import arc_length
 from ...sizing import geometric
 from .h_regions import Region
 from .lines_out import geometric_lines
+from .respacing import respaced
 from .section_result import scaled_jacobians
 from .unwrapped import free_reach, leaving, normals, shifts_beyond
 
 _BENDS = (0.3, 0.1, 0.03)
+_WORSE = 0.5
+"""Share of the worst scaled Jacobian that must be left if layers are respaced."""
 
 
 def interpolated(region: Region, height: float, layers: int | None, growth: float) -> np.ndarray:
@@ -106,3 +109,37 @@ def steps_up(region: Region, target: np.ndarray, height: float, layers: int) -> 
     """(n, layers) heights of layers from the front to points of the top, each line's growing by one factor."""
     reach = np.linalg.norm(target - region.front, axis=1)
     return np.diff([geometric(layers, first=min(height / length, 1 / layers)) for length in reach]) * reach[:, None]
+
+
+def evenly_growing(region: Region, points: np.ndarray, height: float | None) -> np.ndarray:
+    """Lines with points on them whose first heights are as asked and grow evenly, unless cells get much worse.
+
+    Parameters
+    ----------
+    region : Region
+        Which they fill.
+    points : (n, layers + 1, 2) float
+        The lines, inflow and outflow first and last.
+    height : float, optional
+        Of the first points; by default as it is.
+    """
+    heights = np.linalg.norm(points[:, 1] - points[:, 0], axis=1)
+    found = respaced(
+        points, heights if height is None else np.full(len(points), height), slice(region.nose, region.tail + 1)
+    )
+    if found is None:
+        return points
+    for line, end in ((0, region.left), (-1, region.right)):
+        found[line] = _onto_line(found[line], end)
+    worst = [scaled_jacobians(lines).min() for lines in (found, points)]
+    return found if worst[0] > _WORSE * worst[1] else points
+
+
+def _onto_line(points: np.ndarray, line: np.ndarray) -> np.ndarray:
+    """The nearest points of a polyline."""
+    start, edge = line[:-1], np.diff(line, axis=0)
+    away = points[:, None] - start
+    share = np.clip((away * edge).sum(axis=2) / (edge**2).sum(axis=1), 0, 1)
+    near = start + share[..., None] * edge
+    best = np.argmin(np.linalg.norm(points[:, None] - near, axis=2), axis=1)
+    return near[np.arange(len(points)), best]
