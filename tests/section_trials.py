@@ -85,34 +85,45 @@ def tried(topology: str, method: str, section: np.ndarray, **options: Any) -> Tr
 
 def _judged(grid: Any, section: np.ndarray, report: Any) -> tuple[str, np.ndarray]:
     """A word, and the first heights at the section in shares of what was asked."""
-    blocks = [grid] if isinstance(grid, StructuredGrid) else list(grid.blocks)
+    names, blocks = ("section",), [grid]
+    if not isinstance(grid, StructuredGrid):
+        names, blocks = grid.names, list(grid.blocks)
     axes, start = _axes(section)
     planes = [(block.points[:, :, 0] - start) @ axes.T for block in blocks]
     if _signed_area(planes[0]) < 0:  # a plane in space has no upper side
         planes = [plane * [1, -1] for plane in planes]
     wake = report.counts.get("wake", 0)
-    lines = [block.points[report.counts.get("ahead", wake) : len(block.points) - wake, :, 0] for block in blocks]
-    if len(blocks) == 2:
+    ahead = report.counts.get("ahead", wake)
+    lines = [block.points[ahead : len(block.points) - wake, :, 0] for block in blocks]
+    walls = [line[:, 0] for line in lines]
+    if names == ("lower", "upper"):
         lines[0] = lines[0][:, ::-1]
+        walls = [line[:, 0] for line in lines]
+    elif len(blocks) == 2:  # behind the base
+        lines, walls = lines[:1], [walls[0], blocks[1].points[0, :, 0]]
     ratios = _first_heights(lines, _space(section), report.quality["first height"])
     if any(folded(plane).any() for plane in planes):
         return "folded", ratios
-    outside = _outside(planes, wake > 0)
+    outside = _outside(names, planes, wake > 0)
     if len(outside) < MOST_EDGES and len(crossings(outside)):
         return "overlaps", ratios
     spikes = any("straight back" in text for text in report.warnings)
-    kept = _kept(np.concatenate([line[:, 0] for line in lines]), _space(section), spikes)
-    return "sound" if kept else "wall moved", ratios
+    return "sound" if _kept(np.concatenate(walls), _space(section), spikes) else "wall moved", ratios
 
 
-def _outside(planes: list[np.ndarray], has_wake: bool) -> np.ndarray:
+def _outside(names: tuple[str, ...], planes: list[np.ndarray], has_wake: bool) -> np.ndarray:
     """(n, 2) the closed outer boundary of all blocks, counter-clockwise or not."""
-    if len(planes) == 2:
+    if names == ("lower", "upper"):
         below, above = planes
         lower = [below[0, :0:-1], below[:-1, 0], below[-1, :-1]]
         return np.vstack([*lower, above[-1, :-1], above[:0:-1, -1], above[0, :0:-1]])
     plane = planes[0]
-    return np.vstack([plane[0, :-1], plane[:, -1], plane[-1, -2:0:-1]]) if has_wake else plane[:-1, -1]
+    if not has_wake:
+        return plane[:-1, -1]
+    if len(planes) == 1:
+        return np.vstack([plane[0, :-1], plane[:, -1], plane[-1, -2:0:-1]])
+    behind = planes[1][-1, ::-1]
+    return np.vstack([plane[0, :-1], plane[:, -1], plane[-1, -2:0:-1], behind[:-1]])
 
 
 def _first_heights(lines: list[np.ndarray], section: np.ndarray, asked: float) -> np.ndarray:
