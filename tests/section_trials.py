@@ -108,7 +108,7 @@ def _judged(grid: Any, section: np.ndarray, report: Any) -> tuple[str, np.ndarra
     if len(outside) < MOST_EDGES and len(crossings(outside)):
         return "overlaps", ratios
     spikes = any("straight back" in text for text in report.warnings)
-    return "sound" if _kept(np.concatenate(walls), _space(section), spikes) else "wall moved", ratios
+    return "sound" if _kept(walls, _space(section), spikes) else "wall moved", ratios
 
 
 def _outside(names: tuple[str, ...], planes: list[np.ndarray], has_wake: bool) -> np.ndarray:
@@ -139,18 +139,26 @@ def _first_heights(lines: list[np.ndarray], section: np.ndarray, asked: float) -
 
 def _distance(point: np.ndarray, section: np.ndarray) -> float:
     """From a point to the closed outline through (n, 3) points."""
-    edge = np.roll(section, -1, axis=0) - section
-    t = np.clip(((point - section) * edge).sum(axis=1) / np.maximum((edge**2).sum(axis=1), 1e-300), 0, 1)
-    return float(np.linalg.norm(section + t[:, None] * edge - point, axis=1).min())
+    return _to_edges(point, section, np.roll(section, -1, axis=0))
 
 
-def _kept(wall: np.ndarray, section: np.ndarray, spikes: bool) -> bool:
-    """Whether all points of the section, but for spikes, are on the wall, and all of the wall are on its outline."""
+def _to_edges(point: np.ndarray, start: np.ndarray, stop: np.ndarray) -> float:
+    """From a point to the nearest of straight edges."""
+    edge = stop - start
+    t = np.clip(((point - start) * edge).sum(axis=1) / np.maximum((edge**2).sum(axis=1), 1e-300), 0, 1)
+    return float(np.linalg.norm(start + t[:, None] * edge - point, axis=1).min())
+
+
+def _kept(walls: list[np.ndarray], section: np.ndarray, spikes: bool) -> bool:
+    """Whether all points of the section, but for spikes, are on the wall's edges, and all of those on its outline."""
     hair = 1e-9 * float(np.ptp(section, axis=0).max()) + 1e-15 * float(np.abs(section).max())
-    if not spikes and cKDTree(wall).query(section)[0].max() > hair:
-        return False
-    new = wall[cKDTree(section).query(wall)[0] > hair]
-    return all(_distance(point, section) <= hair for point in new)
+    points = np.concatenate(walls)
+    lost = section[cKDTree(points).query(section)[0] > hair]
+    new = points[cKDTree(section).query(points)[0] > hair]
+    edges = np.stack([np.concatenate([w[:-1] for w in walls]), np.concatenate([w[1:] for w in walls])])
+    return (spikes or all(_to_edges(point, *edges) <= hair for point in lost)) and all(
+        _distance(point, section) <= hair for point in new
+    )
 
 
 def _space(section: np.ndarray) -> np.ndarray:

@@ -17,6 +17,8 @@ CUSP = np.radians(3.0)
 """Angle between the two sides below which a trailing edge is a cusp."""
 ALIKE = 0.9
 """Of the sharpest turn: points of round bodies that turn by more are alike, and the rearmost along x is the tail."""
+SIMILAR = np.radians(10.0)
+"""Edges that turn by no less than this below the sharpest may be the trailing one: that farthest from the middle is."""
 Edge = Literal["sharp", "cusped", "blunt", "round"]
 
 
@@ -137,14 +139,58 @@ class Section:
 
     @cached_property
     def focus(self) -> np.ndarray:
-        """(2,) float: a point inside the nose at half its radius; behind a corner, on its bisector."""
+        """(2,) float: a point inside the nose at half its radius; behind a corner, on its bisector.
+
+        Where a thin nose bends away that lies outside; a point between both sides near the nose is taken then.
+        """
         inwards, nose = self.direction, self.nose_index
         if corners(turning(self.loop))[nose]:
             arms = self.loop[[nose - 1, (nose + 1) % len(self.loop)]] - self.nose
             both = (arms / np.linalg.norm(arms, axis=1)[:, None]).sum(axis=0)
             size = float(np.linalg.norm(both))
             inwards = both / size if size > 1e-6 else inwards
-        return self.nose + 0.5 * self.nose_radius * inwards
+        found = self.nose + 0.5 * self.nose_radius * inwards
+        return found if winds_round(self.loop, found) else self._between_sides()
+
+    def _between_sides(self) -> np.ndarray:
+        """A point inside, in the middle of points at equal lengths from the nose, the farther away the better."""
+        closed = np.roll(self.loop, -self.nose_index, axis=0)
+        closed = np.vstack([closed, closed[:1]])
+        length = arc_length(closed)
+        for way in 0.02 * self.chord * 0.5 ** np.arange(20):
+            both = [np.interp([way, length[-1] - way], length, x) for x in closed.T]
+            if winds_round(self.loop, middle := np.mean(both, axis=1)):
+                return middle
+        return self.nose
+
+
+def winds_round(loop: np.ndarray, point: np.ndarray) -> bool:
+    """Whether a closed loop, counter-clockwise or not, goes round a point.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
+    >>> winds_round(square, np.array([0.5, 0.2])), winds_round(square, np.array([1.5, 0.2]))
+    (True, False)
+    """
+    away = loop - point
+    after = np.roll(away, -1, axis=0)
+    seen = np.arctan2(away[:, 0] * after[:, 1] - away[:, 1] * after[:, 0], (away * after).sum(axis=1))
+    return bool(abs(seen.sum()) > np.pi)
+
+
+def centroid(loop: np.ndarray) -> np.ndarray:
+    """(2,) float: the middle of the area in a closed loop.
+
+    Examples
+    --------
+    >>> centroid(np.array([[0.0, 0], [3, 0], [0, 3]]))
+    array([1., 1.])
+    """
+    arm = loop - loop[0]
+    after = np.roll(arm, -1, axis=0)
+    part = arm[:, 0] * after[:, 1] - arm[:, 1] * after[:, 0]
+    return loop[0] + part @ (arm + after) / (3 * part.sum())
 
 
 def doubled_area(loop: np.ndarray) -> float:
@@ -160,12 +206,17 @@ def doubled_area(loop: np.ndarray) -> float:
 
 
 def _base(loop: np.ndarray, turn: np.ndarray, convex: np.ndarray) -> tuple[int, int]:
-    """First and last corner, going round, of the trailing edge: the group of convex corners that turns most."""
+    """First and last corner, going round, of the trailing edge: of the groups of convex corners that turn most, the one
+    farthest from the middle of the area, which lies nearer to a nose."""
     length = arc_length(np.vstack([loop, loop[:1]]))
     offset = (length[convex] - length[convex][:, None]) / length[-1]
     offset = (offset + 0.5) % 1.0 - 0.5
-    together = (np.abs(offset) < TRAILING) @ turn[convex]
-    sharpest = np.flatnonzero(together > together.max() - 1e-9)
-    own = offset[sharpest[np.argmax(turn[convex][sharpest])]]
+    # Turns of noise cancel in the sum of all points; its convex corners alone add up beside a nose of many points.
+    every = np.abs(((length[:-1] - length[convex][:, None]) / length[-1] + 0.5) % 1.0 - 0.5)
+    together = np.minimum((np.abs(offset) < TRAILING) @ turn[convex], (every < TRAILING) @ turn)
+    away = np.linalg.norm(loop[convex] - centroid(loop), axis=1)
+    alike = together > together.max() - SIMILAR
+    farthest = np.flatnonzero(alike & (away > (1 - 1e-9) * away[alike].max()))
+    own = offset[farthest[np.argmax(turn[convex][farthest])]]
     near = np.flatnonzero(np.abs(own) < TRAILING)
     return int(convex[near[np.argmin(own[near])]]), int(convex[near[np.argmax(own[near])]])

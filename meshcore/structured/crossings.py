@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 
 from ..errors import InvalidGeometry
 from ..geometry.plane import Plane
-from ..geometry.section import doubled_area
+from ..geometry.section import doubled_area, winds_round
 from ..quality.embedding import overlaps
 
 TOUCH = 1e-14
@@ -117,10 +117,7 @@ def refuse_outside(loop: np.ndarray, ring: np.ndarray, plane: Plane, what: str) 
     meshcore.errors.InvalidGeometry: outer: does not go round all of the section: (0, 0, 0) is outside; make it ...
     """
     for point in loop[:: max(1, len(loop) // 64)]:
-        away = ring - point
-        after = np.roll(away, -1, axis=0)
-        seen = np.arctan2(away[:, 0] * after[:, 1] - away[:, 1] * after[:, 0], (away * after).sum(axis=1)).sum()
-        if abs(seen) <= np.pi:  # a curve that goes round it turns by 2 pi, seen from there
+        if not winds_round(ring, point):
             raise InvalidGeometry(
                 f"does not go round all of the {what}: {_named(plane, point)} is outside; make it larger, move it, "
                 "or exchange the two",

@@ -169,7 +169,9 @@ def c_grid(
     advance(progress, 0.1, "choosing lines")
     points = _best(front, curve, layers, growth, part_of(progress, 0.1, 0.5))
     step, past = part_of(progress, 0.5, 0.6), _past_base(front, points)
-    method, points, told, changed = lines_by(method, points, closed=False, progress=step, kept=past)
+    method, points, told, changed = lines_by(
+        method, points, closed=False, progress=step, kept=past, bound=outer is not None
+    )
     grid = _block(front, points, given)
     counts = {"around": len(points) - 1 - 2 * front.wake, "wake": front.wake, "layers": grid.cell_shape[1], **changed}
     figures = {"first height": height, **({} if y_plus is None else {"y+": y_plus})}

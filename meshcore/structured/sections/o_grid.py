@@ -152,7 +152,7 @@ def o_grid(
     points = _wrapped(loop, far, chord, height, growth, layers, part_of(progress, 0.0, 0.6))
     points = points[::-1]  # clockwise, so that i, j are right-handed
     step = part_of(progress, 0.6, 0.8)
-    method, points, told, changed = lines_by(method, points, closed=True, progress=step)
+    method, points, told, changed = lines_by(method, points, closed=True, progress=step, bound=outer is not None)
     warnings += told
     names = {"jmin": "wall", "jmax": "far field"}
     grid = StructuredGrid(given.to_space(points), names=names, periodic=(True, False, False))

@@ -16,6 +16,8 @@ from .section_result import scaled_jacobians
 
 _PASSES, _MOST, _CORRECTED = 6, 3.0, 10
 """Times that first heights are corrected, the largest factor, and over how many layers it fades."""
+_EQUATIONS = "the elliptic equations took its place"
+_ARRIVES = "the hyperbolic one took its place, and the far field is where that arrives"
 
 
 class Lines(NamedTuple):
@@ -39,7 +41,9 @@ class Lines(NamedTuple):
     counts: dict[str, int]
 
 
-def lines_by(method: str, points: np.ndarray, *, closed: bool, progress: Progress, kept: int = 0) -> Lines:
+def lines_by(
+    method: str, points: np.ndarray, *, closed: bool, progress: Progress, kept: int = 0, bound: bool = True
+) -> Lines:
     """The lines of a method in place of transfinite ones, and those of a march where transfinite ones cross.
 
     Parameters
@@ -55,7 +59,23 @@ def lines_by(method: str, points: np.ndarray, *, closed: bool, progress: Progres
         Called with fraction and message.
     kept : int
         Layers of the transfinite grid that stay; a march that is asked for goes on from the last of them.
+    bound : bool
+        Whether lines have to end on the far field. If not, a hyperbolic march is tried where the parabolic one stops.
     """
+    found = _by(method, points, closed, progress, kept)
+    if bound or method == "hyperbolic" or found.method != "elliptic" or not found.warnings:
+        return found
+    marched = _marched(points, "hyperbolic", closed, progress, kept)
+    if marched.method != "hyperbolic":
+        return found
+    told = [text.replace(_EQUATIONS, _ARRIVES) for text in found.warnings]
+    return marched._replace(
+        method="elliptic" if method == "elliptic" else "hyperbolic", warnings=[*told, *marched.warnings]
+    )
+
+
+def _by(method: str, points: np.ndarray, closed: bool, progress: Progress, kept: int) -> Lines:
+    """As `lines_by`; "elliptic" with warnings if no march has reached the far field."""
     if method in ("hyperbolic", "parabolic"):
         return _marched(points, method, closed, progress, kept)
     crossed = int((scaled_jacobians(points) <= FLAT).sum())
@@ -102,7 +122,7 @@ def _marched(points: np.ndarray, method: str, closed: bool, progress: Progress, 
     )
     if found.stop is None:
         return _whole(method, points, found, kept, closed, warnings)
-    stopped = f"the parabolic march {stop_told(found.stop)}; the elliptic equations took its place"
+    stopped = f"the parabolic march {stop_told(found.stop)}; {_EQUATIONS}"
     return Lines("elliptic", points, [*warnings, stopped], {})
 
 

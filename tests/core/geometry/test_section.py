@@ -6,7 +6,10 @@ import pytest
 from meshcore import gallery
 from meshcore.errors import InvalidGeometry
 from meshcore.geometry.curves import polyline
-from meshcore.geometry.section import Section
+from meshcore.geometry.section import Section, winds_round
+from meshcore.structured.sections.section_input import section_loop
+from tests.airfoil_families import noisy
+from tests.section_families import section_of
 
 
 def joukowski(n=80, offset=-0.1 + 0.08j):
@@ -50,3 +53,18 @@ def test_the_radius_of_a_nose():
 def test_a_flat_loop_is_none():
     with pytest.raises(InvalidGeometry, match="no area"):
         Section.of(np.array([[0.0, 0], [1, 0], [2, 0]]))
+
+
+@pytest.mark.parametrize(
+    ("family", "seed", "k"), [("noisy", 500, 40), ("plate", 500, 49), ("ellipse", 300, 50), ("pocket", 200, 89)]
+)
+def test_the_focus_is_inside_however_thin_or_bent_the_nose(family, seed, k):
+    section = Section.of(section_loop(section_of(family, seed, k)).loop)
+    assert winds_round(section.loop, section.focus)
+
+
+def test_noise_at_the_nose_is_no_trailing_edge():
+    for k in range(28):
+        loop = noisy(np.random.default_rng([500, k + 1]))
+        assert Section.of(loop).tail[0] > 0.9
+    assert Section.of(section_loop(section_of("noisy", 500, 40)).loop).tail[0] > 0.9

@@ -132,3 +132,39 @@ def test_sections_of_every_family_get_sound_o_grids(family):
         trial = tried("O", method, section)
         assert trial.word == "sound", trial
         assert method == "elliptic" or trial.heights <= 0.1, trial  # what is missed is beside concave corners
+
+
+@pytest.mark.parametrize(
+    ("family", "seed", "k"),
+    [
+        ("noisy", 500, 40),
+        ("plate", 500, 49),
+        ("L, T", 500, 54),
+        ("ellipse", 300, 50),
+        ("sail", 100, 28),
+        ("pocket", 100, 58),
+    ],
+)
+def test_c_grids_open_round_a_point_inside_thin_noses(family, seed, k):
+    for method in METHODS:
+        trial = tried("C", method, section_of(family, seed, k))
+        assert trial.word == "sound" and trial.heights < 0.05, trial
+
+
+@pytest.mark.parametrize("make", [mc.o_grid, mc.c_grid])
+@pytest.mark.parametrize("method", ["transfinite", "elliptic", "parabolic"])
+def test_where_no_march_reaches_the_far_field_a_hyperbolic_one_makes_its_own_and_that_is_told(make, method):
+    angle = np.linspace(0.4, 2 * np.pi - 0.4, 40) if make is mc.o_grid else np.linspace(0.2, 2 * np.pi - 0.2, 40)
+    inside = 0.9 if make is mc.o_grid else 0.6
+    ring = np.column_stack([np.cos(angle), np.sin(angle)])
+    section = np.vstack([ring, inside * ring[::-1], ring[:1]])
+    grid, report = make(section, method=method, first_height=0.005)
+    assert scaled_jacobians(grid.points[:, :, 0, :2]).min() > 0
+    assert any("the far field is where that arrives" in text for text in report.warnings)
+    with pytest.raises(mc.GenerationFailed, match="cells are folded"):
+        circle = 8 * np.column_stack([np.cos(angle[::-1]), np.sin(angle[::-1])])
+        make(section, far_of(circle, make), method=method, first_height=0.005)
+
+
+def far_of(circle: np.ndarray, make) -> np.ndarray:
+    return np.vstack([circle, circle[:1]]) if make is mc.o_grid else circle

@@ -181,10 +181,10 @@ def test_a_far_field_inside_the_section_is_refused():
 
 
 def horseshoe() -> np.ndarray:
-    """A ring with a gap, whose inside no C-grid reaches."""
-    angle = np.linspace(0.4, 2 * np.pi - 0.4, 40)
+    """A ring with a narrow gap, whose inside no C-grid reaches."""
+    angle = np.linspace(0.2, 2 * np.pi - 0.2, 40)
     outside = np.column_stack([np.cos(angle), np.sin(angle)])
-    return np.vstack([outside, 0.6 * outside[::-1], outside[:1]])
+    return np.vstack([outside, 0.8 * outside[::-1], outside[:1]])
 
 
 def test_a_failure_shows_where():
