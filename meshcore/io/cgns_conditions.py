@@ -90,11 +90,12 @@ def read_sets(zone: Node, element: np.ndarray, parents: dict[str, list[str]]) ->
         if (span is None and listed is None) or (by_points and _location(condition) == "Vertex"):
             odd.append(condition.name)
             continue
-        if span is not None:
-            low, high = span.whole(*(-1 for _ in np.shape(span.value))).ravel()[[0, -1]] - 1
-            members = np.flatnonzero((element >= low) & (element <= high))
+        told = span or listed
+        numbers = told.whole(*(-1 for _ in np.shape(told.value))).ravel() - 1
+        if span is not None and len(numbers):
+            members = np.flatnonzero((element >= numbers[0]) & (element <= numbers[-1]))
         else:
-            members = np.flatnonzero(np.isin(element, listed.whole(*(-1 for _ in np.shape(listed.value))).ravel() - 1))
+            members = np.flatnonzero(np.isin(element, numbers))
         for name in names_of(condition, parents):
             sets.setdefault(name, []).append(members)
     warn_dropped("boundary conditions", odd, "they list points, and a set of a Mesh holds cells")

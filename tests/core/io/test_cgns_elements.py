@@ -352,9 +352,18 @@ def test_families_of_families(tmp_path):
     condition(zone, "L_1", "L_1", PointRange=[[1], [1]], GridLocation="CellCenter")
     condition(zone, "L_2", "L_2", PointRange=[[2], [3]], GridLocation="CellCenter")
     condition(zone, "rest", ElementList=[[4]])
+    condition(zone, "none", PointRange=np.empty((0, 1)), GridLocation="EdgeCenter")
     found = as_read(tmp_path / "a.cgns", base)
     sets = {name: members.tolist() for name, members in found.sets.items()}
-    assert sets == {"L_1": [0, 1, 2], "wall": [0, 1, 2], "all": [0, 1, 2], "L_2": [1, 2], "hot": [1, 2], "rest": [3]}
+    assert sets == {
+        "L_1": [0, 1, 2],
+        "wall": [0, 1, 2],
+        "all": [0, 1, 2],
+        "L_2": [1, 2],
+        "hot": [1, 2],
+        "rest": [3],
+        "none": [],
+    }
 
 
 @pytest.mark.parametrize("layers", [1, 3])
