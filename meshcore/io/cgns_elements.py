@@ -138,9 +138,11 @@ def _section(section: Node) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndar
     number = int(section.whole(2)[0])
     first, last = section.need("ElementRange").whole(2).tolist()
     nodes = section.need("ElementConnectivity").whole(-1)
-    if not 0 < first <= last + 1:
-        raise InvalidInput(f"the section {section.name!r} promises the elements {first} to {last}")
     count = last - first + 1
+    if first < 1 or not 0 <= count <= len(nodes):  # each lists a node at least
+        raise InvalidInput(
+            f"the section {section.name!r} promises the elements {first} to {last}, got {len(nodes)} nodes"
+        )
     if number in ELEMENTS:
         types, sizes = np.full(count, number), np.full(count, ELEMENTS[number].nodes)
     elif number in (MIXED, NGON, NFACE):

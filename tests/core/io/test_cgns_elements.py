@@ -290,6 +290,7 @@ LIES = {
     ),
     "lengths beyond": ({"f": (NGON, 1, 2, {"ElementConnectivity": [3, 1, 2, 3, 9, 1, 2]})}, "begins"),
     "negative length": ({"f": (NGON, 1, 2, {"ElementConnectivity": [-3, 1, 2, 3]})}, "ends within"),
+    "more elements than memory": ({"f": (7, 1, 2**31 - 2, {"ElementConnectivity": [1, 2, 4, 3]})}, "got 4 nodes"),
     "other cells": ({"h": (10, 8, 1, {"ElementConnectivity": [1, 2, 3, 5]})}, "TETRA_4 beside polyhedra"),
 }
 
