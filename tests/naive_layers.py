@@ -1,5 +1,7 @@
 """Slow, obvious twins of the kernels of layers marched from surfaces."""
 
+from fractions import Fraction
+
 import numpy as np
 
 
@@ -118,3 +120,28 @@ def stepped(points, normal, found, free, height, volume, strength, weights, righ
     lost = volume * height * (widening - np.average(widening, weights=share))
     right = right + flat * (turn - along(turn) - lost[:, None] * normal)
     return np.linalg.solve(matrix, right.ravel()).reshape(n, 3)
+
+
+def crossings(points, column, edges, triangles):
+    """For each edge whether it passes through a triangle of none of its columns, by exact fractions."""
+    exact = [[Fraction(x) for x in p] for p in np.asarray(points).tolist()]
+
+    def volume(a, b, c, d):
+        u, v, w = ([exact[q][k] - exact[a][k] for k in range(3)] for q in (b, c, d))
+        cross = (v[1] * w[2] - v[2] * w[1], v[2] * w[0] - v[0] * w[2], v[0] * w[1] - v[1] * w[0])
+        return sum(x * y for x, y in zip(u, cross, strict=True))
+
+    def pierces(a, b, one, two, three):
+        if volume(one, two, three, a) * volume(one, two, three, b) >= 0:
+            return False
+        around = [volume(a, b, *pair) for pair in ((one, two), (two, three), (three, one))]
+        return all(v >= 0 for v in around) or all(v <= 0 for v in around)
+
+    return [
+        any(
+            pierces(a, b, *triangle)
+            for triangle in triangles
+            if not {column[a], column[b]} & {column[k] for k in triangle}
+        )
+        for a, b in edges
+    ]

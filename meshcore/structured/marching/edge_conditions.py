@@ -11,7 +11,7 @@ import numpy as np
 from ...errors import InvalidGeometry, InvalidInput
 from ...mesh import Mesh, StructuredGrid
 from .edge_guides import Guide
-from .edge_sides import FLAT, Side, chosen, sides_of
+from .edge_sides import CUT, FLAT, Side, chosen, sides_of
 from .front_edges import Condition, Hold, free_edges, hold_of
 from .front_graph import FrontGraph, at
 from .layer_surface import LayerSurface
@@ -85,8 +85,9 @@ def front_edges(
     normals : (n, 3) float
         Its normals at the nodes.
     choice : str
-        What edges do of which nothing else is said. "automatic" keeps edges on the guide that lie on it, and finds
-        planes of symmetry: sides in a plane that the surface meets nearly at right angles. Other sides are free.
+        What edges do of which nothing else is said. "automatic" makes edges periodic at cuts that move points, keeps
+        edges on the guide that lie on it, and finds planes of symmetry: sides in a plane that the surface meets nearly
+        at right angles. Other sides are free.
     each : str
         What single edges do, such as "imin = plane, zmax = splay 20".
     splay : float
@@ -169,7 +170,11 @@ def _asked(ready: LayerSurface, sides: list[Side], given: list[tuple[str, Asked]
                     parameter="each_edge",
                 )
             asked[k] = what
-    return [others if a is None else a for a in asked]
+    found = [others if a is None else a for a in asked]
+    return [
+        Asked("periodic", 0.0) if a.choice == "automatic" and CUT in side.names else a
+        for side, a in zip(sides, found, strict=True)
+    ]
 
 
 def _condition(ready: LayerSurface, normals: np.ndarray, side: Side, asked: Asked, guide: Guide | None) -> Condition:

@@ -13,6 +13,8 @@ from .front_graph import FrontGraph, at
 
 CORNER = 40.0
 """Degrees by which an edge turns at the corner between two sides."""
+CUT = "cut"
+"""The name of edges at cuts that move points."""
 FLAT = 1e-6
 """Distance from a plane, in units of a side's length, up to which the side lies in it."""
 Surface = Union[Mesh, StructuredGrid, MultiBlock]
@@ -133,6 +135,18 @@ def _named_lines(surface: Surface, number: np.ndarray):
             names = [face, *([block.names[face]] if face in block.names else [])]
             names += [f"{surface.names[k]} {face}"] if isinstance(surface, MultiBlock) else []
             yield np.column_stack([line[:-1], line[1:]]), names
+    yield from _moved_cuts(surface, number)
+
+
+def _moved_cuts(surface: StructuredGrid | MultiBlock, number: np.ndarray):
+    """The edges at cuts whose two sides are each other moved or turned."""
+    whole = surface if isinstance(surface, MultiBlock) else MultiBlock((surface,))
+    starts = np.cumsum([0] + [block.n_points for block in whole.blocks])
+    for cut in whole.joins:
+        for side in (cut, cut.reversed()) if cut.moves else ():
+            shape = whole.blocks[side.block].shape
+            nodes = number[starts[side.block] + np.ravel_multi_index(tuple(side.places().T), shape)]
+            yield np.column_stack([nodes[:-1], nodes[1:]]), [CUT]
 
 
 def _named_cells(mesh: Mesh, number: np.ndarray):

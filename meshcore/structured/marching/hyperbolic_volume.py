@@ -120,9 +120,10 @@ def hyperbolic_volume(
         Where layers end, in place of a distance. They are marched half of the least way, and then turn by and by to it,
         as those of `parabolic`. With no number of layers, it is such that heights grow by `growth` on the longest way.
     edges : {"automatic", "free", "plane", "constant x", "constant y", "constant z", "splay", "guide", "periodic"}
-        What the edges of an open surface do. "automatic" keeps those on the guide that lie on it, and finds planes of
-        symmetry: sides in a plane that the surface meets within 30 degrees of a right angle; other sides are free.
-        "constant x" keeps x at all edges. "periodic" edges are each other's image, moved or turned, in pairs.
+        What the edges of an open surface do. "automatic" makes those periodic at which the surface has cuts that move
+        points, keeps those on the guide that lie on it, and finds planes of symmetry: sides in a plane that the surface
+        meets within 30 degrees of a right angle; other sides are free. "constant x" keeps x at all edges. "periodic"
+        edges are each other's image, moved or turned, in pairs.
     each_edge : str
         What single edges do, in place of `edges`: names and conditions as in "imin = periodic, imax = periodic,
         zmin = constant z". An edge ends at corners of more than 40 degrees. Its names are those of a grid's sides,

@@ -56,7 +56,7 @@ def with_cuts(
     found += [cut for cut in _joined(sides, surface) if not any(_overlap(cut, other) for other in known)]
     for pair in pairs:
         cuts, missing = _cuts_of(pair, sides, surface)
-        found += cuts
+        found += [cut for cut in cuts if not any(_overlap(cut, other) for other in known)]
         if missing:
             warnings.append(
                 f"{missing} of the {len(pair.first) - 1} cells along a periodic edge belong to sides of blocks that go "

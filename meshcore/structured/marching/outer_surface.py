@@ -122,6 +122,8 @@ class OuterSurface:
             Of all layers.
         outcome : Outcome
             How the march went; tells in the end where layers would fold on their way here.
+        progress : Progress
+            Called with fraction and message.
         """
         made = len(layers) - 1
         tries = list(dict.fromkeys((made, max(0, made - 8), made // 2, made // 4, 0)))

@@ -5,8 +5,12 @@ import pytest
 
 import meshcore as mc
 from meshcore.errors import GenerationFailed
+from meshcore.geometry import predicates
+from meshcore.geometry.alternating_digital_tree import Tree
+from meshcore.structured.marching import _front_crossing_kernels as kernels
 from meshcore.structured.marching.front_crossing import clear_layers, overlapping_node
 from meshcore.structured.marching.layer_surface import read_surface
+from tests import naive_layers as naive
 
 
 def plates(gap, size=1.0):
@@ -57,3 +61,19 @@ def test_a_sheet_that_closes_on_itself_is_found():
     strip = mc.StructuredGrid(np.stack([r * np.cos(t), r * np.sin(t), z], axis=-1))
     _, report = mc.hyperbolic_volume(strip, first_height=0.02, growth=1.0, layers=20, edges="splay", splay=60.0)
     assert not report.converged and "meet another part" in report.warnings[-1]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_kernel_agrees_with_its_twin(seed):
+    """On coarse lattices, so that most edges touch triangles, lie in their planes, or end on them."""
+    rng = np.random.default_rng(seed)
+    points = rng.integers(0, 4, (14, 3)).astype(float) * rng.choice([1.0, 0.1])
+    column = rng.integers(0, 10, 14)
+    triangles, edges = (rng.integers(0, 14, (30, k)) for k in (3, 2))
+    corners = points[triangles]
+    tree, crossed = Tree(corners.min(axis=1), corners.max(axis=1)), np.empty(30, np.int64)
+    kernels.crossings(
+        0, 30, points, column, edges, triangles, tree.order, tree.right, tree.first, tree.bounds,
+        np.empty(kernels.DEPTH, np.int64), predicates.workspace(), crossed,
+    )  # fmt: skip
+    assert (crossed >= 0).tolist() == naive.crossings(points, column.tolist(), edges.tolist(), triangles.tolist())

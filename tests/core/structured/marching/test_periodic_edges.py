@@ -125,6 +125,21 @@ def test_cuts_of_the_surface_run_through_the_layers():
         assert kept.name == "seam" and not other.name and kept.points[1][2] == 4 and len(kept.places()) == 3 * 5
 
 
+def test_cuts_of_the_surface_that_move_points_make_edges_periodic():
+    part = SECTORS["hub"][1](10)
+    expected, _ = mc.hyperbolic_volume(part, first_height=0.01, layers=5, edges="automatic", each_edge=PERIODIC)
+    turn = tuple(map(tuple, turned(10).tolist()))
+    cut = mc.Cut(((0, 0, 0), (0, 8, 0)), ((6, 0, 0), (6, 8, 0)), rotation=turn, name="seam")
+    told = mc.StructuredGrid(part.points, cuts=(cut,))
+    for other_side in (False, True):
+        grid, report = mc.hyperbolic_volume(told, first_height=0.01, layers=5, other_side=other_side)
+        (kept,) = grid.cuts
+        assert kept.name == "seam" and kept.points[1][2] == 5 and not any("cut" in text for text in report.warnings)
+        assert other_side or np.abs(grid.points - expected.points).max() < 1e-12
+    _, report = mc.hyperbolic_volume(told, first_height=0.01, layers=5, edges="free")
+    assert any("not recorded" in text for text in report.warnings)
+
+
 def test_blocks_that_meet_are_joined_by_cuts():
     six = gallery.six_patches(5)
     for other_side in (False, True):
