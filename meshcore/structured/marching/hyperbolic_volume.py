@@ -179,6 +179,13 @@ def hyperbolic_volume(
     >>> mesh, report = hyperbolic_volume(gallery.bumpy_ball(), first_height=0.01, layers=10)
     >>> mesh, report.converged
     (Mesh(1782 points, 3200 wedge), True)
+
+    One sector of a hub, whose sides are each other turned:
+
+    >>> asked = "imin = periodic, imax = periodic, jmin = constant z"
+    >>> hub, _ = hyperbolic_volume(gallery.hub_sector(), first_height=0.01, layers=5, each_edge=asked)
+    >>> hub, hub.cuts[0].name
+    (StructuredGrid(13 x 17 x 6 points), 'periodic')
     """
     checked_threads(threads)
     ready = read_surface(surface, other_side=other_side)

@@ -174,10 +174,9 @@ class OuterSurface:
         for _ in range(int(sweeps)):
             ends = self._on(hold, front, ends + 0.7 * _along_edges(graph, hold, weights @ ends - ends, ends))
         way = ends - front
-        length = np.linalg.norm(way, axis=1)
-        share = fractions(len(heights), np.minimum(heights[0] / length, 1 / len(heights)))[1:, :, None]
+        share = self._shares(heights, way)[1:, :, None]
         turn = share * share * (3 - 2 * share)
-        rest = front + share * ((1 - turn) * ahead * length[:, None] + turn * way)
+        rest = front + share * ((1 - turn) * ahead * np.linalg.norm(way, axis=1)[:, None] + turn * way)
         for layer in rest[:-1]:
             hold.settle(layer)
         rest[-1] = ends
@@ -192,14 +191,18 @@ class OuterSurface:
         front, count = layers[-1], len(heights)
         ahead = _units(front - layers[-2]) if len(layers) > 1 else np.zeros_like(front)
         layers = []
-        first = heights[0] / np.linalg.norm(self._way(graph, hold, weights, front, ahead)[0], axis=1)
-        share = fractions(count, np.minimum(first, 1 / count))
+        share = self._shares(heights, self._way(graph, hold, weights, front, ahead)[0])
         for k in range(count):
             way, normal = self._way(graph, hold, weights, front, (1 - share[k])[:, None] * ahead)
             move = ((share[k + 1] - share[k]) / (1 - share[k]))[:, None] * way
             front = _smoothed(graph, hold, weights, front, move, normal, strength)
             layers.append(self._on(hold, front, front) if k == count - 1 else front)
         return np.stack(layers)
+
+    def _shares(self, heights: np.ndarray, way: np.ndarray) -> np.ndarray:
+        """(len(heights) + 1, n): the share of its way at which each line comes to each layer."""
+        length = np.maximum(np.linalg.norm(way, axis=1), _NEAR * self.size)  # of lines that pass by
+        return fractions(len(heights), np.minimum(heights[0] / length, 1 / len(heights)))
 
     def _way(self, graph: FrontGraph, hold: Hold, weights: csr_matrix, front: np.ndarray, ahead: np.ndarray):
         """(n, 3): from each node to the surface, along normals turned to where lines come from; and the normals."""

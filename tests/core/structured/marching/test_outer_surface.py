@@ -112,6 +112,15 @@ def test_where_it_cannot_be_reached_is_told():
     assert quality.validate(mesh) == [] and (quality.measure(mesh, "jacobian") > 0).all()
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_shell_that_lines_pass_by_is_told():
+    u, v = np.meshgrid(np.linspace(0, 1, 6), np.linspace(0, 1, 6), indexing="ij")
+    plate = mc.StructuredGrid(np.stack([u, v, 0 * u], axis=-1))
+    aside = mc.Mesh(np.array([[0, 0, 5.0], [0.1, 0, 5], [0, 0.1, 5]]), {"triangle": [[0, 1, 2]]})
+    _, report = mc.hyperbolic_volume(plate, outer=aside, first_height=0.05, layers=6)
+    assert not report.converged and "on its way to the outer surface" in report.warnings[-1]
+
+
 def test_surfaces_that_do_not_fit_are_refused():
     inner = gallery.six_patches(5)
     for outer, match in (
