@@ -102,7 +102,7 @@ def begin(first, last, n, lost, flat, widening, mean, normal, strength, right, s
                 rest[U(i), axis] = shadow[U(i), axis] = direction[U(i), axis] = value
                 square += value * value
                 largest = max(largest, abs(value))
-        sums[U(block), 0], sums[U(block), 3] = square, largest
+        sums[0, U(block)], sums[3, U(block)] = square, largest
 
 
 @kernel
@@ -141,7 +141,7 @@ def product(
             one += shadow[U(i), 0] * gx + shadow[U(i), 1] * gy + shadow[U(i), 2] * gz
             two += px * gx + py * gy + pz * gz
             three += gx * gx + gy * gy + gz * gz
-        sums[U(block), 0], sums[U(block), 1], sums[U(block), 2] = one, two, three
+        sums[0, U(block)], sums[1, U(block)], sums[2, U(block)] = one, two, three
 
 
 @kernel
@@ -155,7 +155,7 @@ def half_step(first, last, n, alpha, image, shadow, rest, sums):
                 rest[U(i), axis] = value
                 total += shadow[U(i), axis] * value
                 largest = max(largest, abs(value))
-        sums[U(block), 0], sums[U(block), 3] = total, largest
+        sums[0, U(block)], sums[3, U(block)] = total, largest
 
 
 @kernel
@@ -171,4 +171,4 @@ def full_step(first, last, n, alpha, omega, beta, image, second, direction, rest
                 rest[U(i), axis] = value
                 direction[U(i), axis] = value + beta * (p - omega * image[U(i), axis])
                 largest = max(largest, abs(value))
-        sums[U(block), 3] = largest
+        sums[3, U(block)] = largest

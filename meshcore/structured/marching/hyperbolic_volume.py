@@ -22,7 +22,7 @@ from .front_bends import concavity, is_concave
 from .front_crossing import clear_layers, emptied_layer, overlapping_node
 from .front_graph import FrontGraph, at
 from .layer_cuts import with_cuts
-from .layer_marching import Outcome, first_normals, marched
+from .layer_marching import Outcome, first_normals, least_corner, marched
 from .layer_surface import LayerSurface, read_surface
 from .marching_parameters import (
     DistanceParam,
@@ -271,12 +271,14 @@ def _reported(
 ) -> Result:
     count = len(made) - 1
     blocks = result.blocks if isinstance(result, MultiBlock) else (result,)
-    if not isinstance(result, Mesh):  # whose corners were all tested, and whose facets are those of the surface
-        for block in blocks:
-            validate(block)
+    worst = least_corner(ready.graph, made)
+    if isinstance(result, Mesh) and worst <= 0:
+        raise GenerationFailed("cells of the layers are folded", partial=result)
+    for block in blocks if not isinstance(result, Mesh) else ():
+        validate(block)
     quality = {
         **layers_told(made.swapaxes(0, 1), float(heights[0])),
-        "worst corner (degree)": math.degrees(math.asin(min(outcome.worst, 1.0))),
+        "worst corner (degree)": math.degrees(math.asin(min(worst, 1.0))),
         **({} if isinstance(result, Mesh) else _summary(blocks)),
     }
     counts = {

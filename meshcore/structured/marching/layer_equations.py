@@ -56,7 +56,7 @@ class LayerEquations:
         self.flat, self.widening, self.mean = np.zeros(n), np.zeros(n), np.zeros(n)
         self._rest, self._shadow, self._direction, self._image, self._second = (np.zeros((n, 3)) for _ in range(5))
         self._blocks = -(-self._marching // kernels.BLOCK)
-        self._sums = np.zeros((self._blocks, 4))
+        self._sums = np.zeros((4, self._blocks))
         self._share = _corner_areas(self.graph)
         self._part = np.zeros(n, np.int64)
         for corner in self.graph.faces.T:
@@ -99,23 +99,23 @@ class LayerEquations:
 
     def _iterate(self, terms: tuple, enough: float, height: float) -> tuple[float, int]:
         sums, rest = self._sums, self._rest
-        projected, largest, products = sums[:, 0].sum(), sums[:, 3].max(), 0
+        projected, largest, products = sums[0].sum(), sums[3].max(), 0
         for _ in range(ITERATIONS):
             if not largest > enough:
                 break
             self.hold.images.set_vectors(self._direction)
             self._run(kernels.product, *terms, self._direction, self._image, sums)
             products += 1
-            along = sums[:, 0].sum()
+            along = sums[0].sum()
             alpha = projected / along if along else 0.0
             self._run(kernels.half_step, alpha, self._image, self._shadow, rest, sums)
-            halfway, largest = sums[:, 0].sum(), sums[:, 3].max()
+            halfway, largest = sums[0].sum(), sums[3].max()
             omega = beta = 0.0
             if largest > enough:
                 self.hold.images.set_vectors(rest)
                 self._run(kernels.product, *terms, rest, self._second, sums)
                 products += 1
-                shadowed, mixed, square = sums[:, 0].sum(), sums[:, 1].sum(), sums[:, 2].sum()
+                shadowed, mixed, square = sums[0].sum(), sums[1].sum(), sums[2].sum()
                 omega = mixed / square if square else 0.0
                 before, projected = projected, halfway - omega * shadowed
                 beta = projected / before * alpha / omega if before and omega else 0.0
@@ -123,7 +123,7 @@ class LayerEquations:
                 kernels.full_step, alpha, omega, beta, self._image, self._second, self._direction, rest,
                 self.solution, sums,
             )  # fmt: skip
-            largest = sums[:, 3].max()
+            largest = sums[3].max()
         return float(largest / height), products
 
     def _find_means(self) -> None:
