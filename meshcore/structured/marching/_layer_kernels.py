@@ -214,7 +214,7 @@ def dissipation(
     first, last, height, total, base, growing, ahead, normal, start, ring, opened, held, projectors, free,
     weight, spacing, ratio, now, zone, new_zone, strength, right,
 ):  # fmt: skip
-    """Strength of dissipation at each node, and the displacement that it asks for: the right side of `sweep`.
+    """Strength of dissipation at each node, and the displacement that it asks for, of the right side.
 
     As by Chan and Steger it is proportional to the height over the spacing, and whole where the front is concave or
     has narrowed, next to nothing where it widens (their sensors of angle and of grid convergence). A second part

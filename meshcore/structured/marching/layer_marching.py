@@ -35,7 +35,8 @@ class Scheme(NamedTuple):
 
 
 CALM, MILD = Scheme(0.02, 0.0, 0.0), Scheme(1.0, 0.5, 0.0)
-"""Where lines spread, heights are kept at each point."""
+"""Where lines spread, heights are kept at each point. Dissipation would only draw layers off sharp tips: with that of
+`FIRM` those of a wing's tip fold after 46 of 60, without after none."""
 FIRM, HARD = Scheme(10.0, 5.0, 1.0), Scheme(40.0, 20.0, 1.0)
 """Where they meet, lines are bent and volumes kept."""
 MEETING = 0.1
