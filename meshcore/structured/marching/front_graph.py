@@ -155,7 +155,8 @@ def front_graph(
     bad = kernels.rings(corner_start, after.ravel()[where][order], before.ravel()[where][order], start, ring, opened)
     if bad >= 0:
         raise InvalidGeometry(
-            f"parts of it touch in a single point, {at(points[bad])}; separate them, or join them by faces",
+            f"parts of it touch in a single point, {at(points[bad])}; separate them, join them by faces, or "
+            "split edges that others end on",
             parameter="surface",
             points=(bad,),
         )

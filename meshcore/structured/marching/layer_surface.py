@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -144,7 +146,8 @@ def read_surface(
             raise InvalidGeometry("has no face with an area", parameter="surface")
         warnings.append(f"{collapsed.sum():,} faces without area were left out")
         faces = faces[~collapsed]
-    faces, part, turned = turned_alike(faces, points)
+    with _points_as_given(number):
+        faces, part, turned = turned_alike(faces, points)
     if turned:
         warnings.append(f"{turned:,} faces were turned to agree with their neighbours")
     used = np.zeros(len(points), bool)
@@ -154,10 +157,21 @@ def read_surface(
     faces = np.where(faces < 0, -1, rank[faces])
     faces, inward = _outwards(points, faces, part, warnings)
     faces = reversed_faces(faces) if other_side else faces
-    graph = front_graph(points, faces, part)
-    _refuse_flat(graph)
+    with _points_as_given(number):
+        graph = front_graph(points, faces, part)
+        _refuse_flat(graph)
     given = _without_collapse(surface, faces, warnings)
     return LayerSurface(graph, surface, given, number, inward ^ other_side, other_side, warnings)
+
+
+@contextmanager
+def _points_as_given(number: np.ndarray) -> Iterator[None]:
+    """Errors inside name glued points; these become all of the user's that are one of them."""
+    try:
+        yield
+    except InvalidGeometry as error:
+        at = np.flatnonzero(np.isin(number, error.points))
+        raise InvalidGeometry(str(error).removeprefix("surface: "), parameter="surface", points=at) from None
 
 
 def _sewn(

@@ -45,3 +45,24 @@ def test_fine_cells_of_grids_are_never_sewn():
     x, y = np.meshgrid(x, np.linspace(0, 1, 5), indexing="ij")
     grid = mc.StructuredGrid(np.stack([x, y, 0 * x], axis=-1))
     assert mc.hyperbolic_volume(grid, first_height=1e-3, layers=1).mesh.shape == (21, 5, 2)
+
+
+CORNERS = np.array([[9, 9, 9], [0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2], [0, -2, -2.0], [1, 1, 3], [3, 0, 0]])
+"""Of which the first is in no face."""
+
+
+@pytest.mark.parametrize(
+    ("faces", "words", "there"),
+    [
+        ([(1, 2, 3), (1, 2, 4), (1, 2, 5)], "more than two faces meet", [1, 2]),
+        ([(2, 1, 3), (4, 2, 6)], "touch in a single point", [2]),
+        ([(1, 2, 7), (1, 3, 2)], "are flat", [1, 2, 7]),
+    ],
+)
+def test_faults_are_told_by_the_users_own_points(faces, words, there):
+    separate = mc.Mesh(CORNERS[np.array(faces)].reshape(-1, 3), {"triangle": np.arange(3 * len(faces)).reshape(-1, 3)})
+    for surface in (mc.Mesh(CORNERS, {"triangle": faces}), separate):
+        with pytest.raises(mc.InvalidGeometry, match=words) as caught:
+            mc.hyperbolic_volume(surface, first_height=0.1, layers=2)
+        named = {tuple(place) for place in surface.points[list(caught.value.points)]}
+        assert named == {tuple(place) for place in CORNERS[there]}
