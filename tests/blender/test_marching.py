@@ -99,13 +99,10 @@ def test_where_layers_stop_is_selected(core):
 
 
 def test_a_march_that_cannot_begin_selects_the_point(core):
-    ob = scene.add_mesh("notch", [(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0), (1, 0.98, 0)], [])
-    order = [0, 4, 1, 2, 3]
-    ob.data.edges.add(5)
-    ob.data.edges.foreach_set("vertices", np.array([order, [*order[1:], 0]], np.int32).T.ravel())
-    with pytest.raises(RuntimeError, match=r"no layer could be made.*1 vertex selected on notch"):
-        bpy.ops.meshcore.hyperbolic(first_height=3.0, layers=1)
-    assert selected(ob) == [4]
+    ob = section(core)
+    with pytest.raises(RuntimeError, match=r"no layer could be made.*1 vertex selected on airfoil") as caught:
+        bpy.ops.meshcore.hyperbolic(first_height=1.0, layers=1, other_side=True)
+    assert f"at the front's point {selected(ob)[0]} near" in str(caught.value)
 
 
 def test_what_to_select_is_said_for_each(core):

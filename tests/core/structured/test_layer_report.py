@@ -11,9 +11,9 @@ TOLD = ("first height", "least first height / asked", "largest first height / as
 
 
 def _calls():
-    nose = gallery.airfoil("naca0012")
+    nose, sharp = gallery.airfoil("naca0012"), gallery.airfoil("rae2822")
     for method in ("transfinite", "elliptic", "hyperbolic", "parabolic"):
-        yield mc.c_grid, (nose,), {"method": method, "radius": 4}
+        yield mc.c_grid, (sharp,), {"method": method, "radius": 4}
         yield mc.o_grid, (nose,), {"method": method, "radius": 4}
     yield mc.hyperbolic, (nose,), {"first_height": 1e-3, "layers": 30}
     yield mc.parabolic, (nose, gallery.circle(48, radius=2.0, centre=(0.5, 0.0))), {"first_height": 1e-3}
