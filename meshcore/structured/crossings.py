@@ -128,8 +128,10 @@ def refuse_outside(loop: np.ndarray, ring: np.ndarray, plane: Plane, what: str) 
 def _meeting(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """(2,) float: where two edges (2, 2) that cross meet."""
     d, e, between = one[1] - one[0], other[1] - other[0], other[0] - one[0]
-    share = (between[0] * e[1] - between[1] * e[0]) / (d[0] * e[1] - d[1] * e[0])
-    return one[0] + share * d
+    across = d[0] * e[1] - d[1] * e[0]
+    if across == 0:  # in rounded numbers they lie upon each other
+        return other[0]
+    return one[0] + (between[0] * e[1] - between[1] * e[0]) / across * d
 
 
 def _named(plane: Plane, place: np.ndarray) -> str:

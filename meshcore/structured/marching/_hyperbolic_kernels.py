@@ -43,16 +43,18 @@ CAP = 0.2  # share of the height that dissipation may take at convex corners
 PULL = 64.0  # heights by which dissipation may draw a front out of a bay in a step
 CONCAVE = 0.2  # left turn (radians) from which on flat cells have all of the dissipation, too
 THICK = 0.8  # aspect ratio, height over length, from which on cells have most of the dissipation
-LEANING = 12  # lines beside an end that lean like it
+LEANING = 12  # lines beside an end that lean like it, at least
+CROWDING = 4.0  # times the way by which an end has left its normal, over which lines lean like it
 SPREAD = 4  # passes that smooth the dissipation along the front
 PARABOLIC = 1.0  # weight of the elliptic equation's r_xixi |r_eta|^2 / |r_xi|^2 on the way to an outer front
 UNFOLDING = 4.0  # dissipation, in aspect ratios, that cells may have to unfold others: flat ones would only slide along
+OBLIQUE = 2.0  # times the share of the way from which on heights are those along the normal, not along the line
 FLAT = 1e-9  # sine of a corner's angle below which a cell counts as folded
 SOUND = 0.05  # sine from which on a layer is taken as it is
 ATTEMPTS = 7  # each with twice as many steps
-# Rows of the scratch array, of n + 4 columns; those of vectors and SPARE are the first of two and of four.
+# Rows of the scratch array, of n + 4 columns; those of vectors, SPARE and WALL (its ends) are the first of 2, 4, 2.
 SPACING, TURN, HEIGHT, BEFORE, AFTER, TURNED, BOOST, ASKED, CORNERS, LEAD = range(10)
-TANGENT, START, BEST, PIN, TOWARDS, SPARE, ROWS = 10, 12, 14, 16, 18, 20, 24
+TANGENT, START, BEST, PIN, TOWARDS, SPARE, WALL, ROWS = 10, 12, 14, 16, 18, 20, 24, 26
 
 
 @kernel
@@ -92,6 +94,8 @@ def march(
     start, best, pin = scratch[START : START + 2], scratch[BEST : BEST + 2], scratch[PIN : PIN + 2]
     closed = kind[0] == CLOSED
     before = 1.0
+    for c in range(2):
+        scratch[WALL + c, 0], scratch[WALL + c, 1] = out[0, c, 0], out[0, c, n - 1]
     for j in range(first, last):
         load(out[j], start)
         best_possible = pin_thin_edges(start, kind, frame, scratch, pin)
@@ -210,7 +214,8 @@ def step(r, kind, frame, curves, reached, part, base, theta, drawing, d, scratch
     lower, diagonal, upper, fill_in = blocks[0], blocks[1], blocks[2], blocks[3]
     for k in range(n):
         g = k + 2
-        tx, ty, free = t[0, g], t[1, g], 1 - scratch[LEAD, g]
+        tx, ty, lead = t[0, g], t[1, g], scratch[LEAD, g]
+        free = 1 - lead
         before, after = scratch[BEFORE, g], scratch[AFTER, g]
         a = 0.5 * (1 + theta) * h[g] / s[g] * free
         m0, m1, m3 = -2 * tx * ty * a, (tx * tx - ty * ty) * a, 2 * tx * ty * a
@@ -221,7 +226,10 @@ def step(r, kind, frame, curves, reached, part, base, theta, drawing, d, scratch
         bend = h[g] / mean_s
         lost = base * weight(bend, mean_turn) * half * (1 + bend * half)
         forward = h[g] * max(0.5, 1 + (1 + theta) * bend * sine + lost) * free
-        ahead = h[g] * (1 - free)
+        if lead > 0:  # or fronts whose lines head for a corner of the outer one would pass its sides
+            straight = max(0.0, tx * scratch[TOWARDS + 1, g] - ty * scratch[TOWARDS, g])
+            forward *= 1 - min(1.0, OBLIQUE * lead) * (1 - straight)
+        ahead = h[g] * lead
         x, y = dissipated(r, g, before, after)
         d[k, 0] = -ty * forward + scratch[TOWARDS, g] * ahead + x
         d[k, 1] = tx * forward + scratch[TOWARDS + 1, g] * ahead + y
@@ -239,9 +247,9 @@ def step(r, kind, frame, curves, reached, part, base, theta, drawing, d, scratch
                 given_row(k, x - r[0, k + 2], y - r[1, k + 2], lower, diagonal, upper, d)
             if kind[end] == ALONG:
                 side = h[k + 2] if -t[1, k + 2] * frame[end, 0] + t[0, k + 2] * frame[end, 1] > 0 else -h[k + 2]
-                lean(end, side * frame[end, 0], side * frame[end, 1], scratch, d)
+                lean(end, side * frame[end, 0], side * frame[end, 1], r, scratch, d)
             elif kind[end] == ON_CURVE or kind[end] == SPLAY:
-                lean(end, d[k, 0], d[k, 1], scratch, d)
+                lean(end, d[k, 0], d[k, 1], r, scratch, d)
     solve(lower, diagonal, upper, d, closed, fill_in)
 
 
@@ -344,15 +352,27 @@ def end_row(end, kind, direction, scratch, lower, diagonal, upper, d):
 
 
 @kernel
-def lean(end, x, y, scratch, d):
-    """Let the lines beside an end lean like it, the less the farther they are, or they would run into each other."""
+def lean(end, x, y, r, scratch, d):
+    """Let the lines beside an end lean like it, the less the farther they are, or they would run into each other.
+
+    The farther the front has come the more lines lean, so that they crowd no more than like a root of the way: over
+    four times the way by which the end has left its normal.
+    """
     n = d.shape[0]
-    k = 0 if end == 0 else n - 1
-    h = scratch[HEIGHT, k + 2]
-    x, y = x + h * scratch[TANGENT + 1, k + 2], y - h * scratch[TANGENT, k + 2]
-    for q in range(1, min(LEANING, n // 2)):
-        share = (1 - q / LEANING) ** 2
-        to = k + q if end == 0 else k - q
+    k, ahead = (0, 1) if end == 0 else (n - 1, -1)
+    h, tx, ty = scratch[HEIGHT, k + 2], scratch[TANGENT, k + 2], scratch[TANGENT + 1, k + 2]
+    x, y = x + h * ty, y - h * tx
+    away = math.sqrt((r[0, k + 2] - scratch[WALL, end]) ** 2 + (r[1, k + 2] - scratch[WALL + 1, end]) ** 2)
+    wide = CROWDING * away * abs(x * tx + y * ty) / (h + TINY)
+    width, lines = 0.0, 1
+    while lines < n - 1 and (lines < LEANING or width < wide):
+        width += scratch[SPACING, k + 2 + lines * ahead]
+        lines += 1
+    gone = 0.0
+    for q in range(1, lines):
+        gone += scratch[SPACING, k + 2 + q * ahead]
+        share = (1 - min(1.0, gone / (width + TINY))) ** 2
+        to = k + q * ahead
         d[to, 0] += share * x
         d[to, 1] += share * y
 

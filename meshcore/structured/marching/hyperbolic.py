@@ -20,7 +20,7 @@ from ..limits import check_size
 from ..poisson.elliptic_problem import Asked, solved
 from . import parabolic_march
 from .fronts import Front, changes_told, read_front, reason_told, stop_told
-from .hyperbolic_march import Dissipation, Marched, layer_heights, marched
+from .hyperbolic_march import Dissipation, Marched, checked_heights, layer_heights, marched
 from .marching_ends import Along, End, Free, Mirror, OnCurve, Splay
 from .marching_parameters import FirstHeightParam, GrowthParam, LargestHeightParam, LayersParam, asked_heights
 from .outer_points import outer_points
@@ -154,6 +154,7 @@ def hyperbolic(
     (StructuredGrid(129 x 51 points), True)
     """
     ready = read_front(front, other_side=other_side)
+    target = None if outer is None else outer_points(ready, outer)
     check_size(len(ready.points) + 1, (layers or 1) + 1, parameter="layers")
     thickness = _asked_heights(heights, ready, first_height, growth, layers, distance, largest_height)
     check_size(len(ready.points) + 1, len(thickness) + 1, parameter="layers")
@@ -166,18 +167,18 @@ def hyperbolic(
         dissipation=Dissipation(smoothing, implicitness),
         progress=part_of(progress, 0.0, 0.6),
     )
-    if result.stop is not None and outer is not None:
-        result = _continued(ready, result, thickness, outer, part_of(progress, 0.6, 0.8))
+    if result.stop is not None and target is not None:
+        result = _continued(ready, result, thickness, target, part_of(progress, 0.6, 0.8))
     advance(progress, 0.8, "checking the grid")
     return _reported(ready, result, thickness)
 
 
 def _asked_heights(given, ready, first_height, growth, layers, distance, largest) -> np.ndarray:
     if given is not None:
-        given = np.asarray(given, float)
-        if given.ndim == 2 and ready.reversed:
+        given = checked_heights(given, len(ready.points))
+        if ready.reversed:
             given = np.roll(given[:, ::-1], 1, axis=1) if ready.closed else given[:, ::-1]
-        return given
+        return given[:, 0] if given.shape[1] == 1 else given
     return asked_heights(first_height, growth, layers, distance, largest, diagonal=ready.diagonal)
 
 
@@ -198,14 +199,16 @@ def _ends(ready: Front, choices: tuple[str, str], curves: tuple, splay: float) -
     return (ends[1], ends[0]) if ready.reversed else (ends[0], ends[1])
 
 
-def _continued(ready: Front, result: Marched, heights: np.ndarray, outer: Curve, progress: Progress) -> Marched:
-    """The layers of a march that stopped, or as many of them as need be, and others from there to the outer curve."""
-    target, made = outer_points(ready, outer), result.stop.layer
+def _continued(ready: Front, result: Marched, heights: np.ndarray, target: np.ndarray, progress: Progress) -> Marched:
+    """The layers of a march that stopped, or as many of them as need be, and others from there to the outer points."""
+    made = result.stop.layer
     tries = [("parabolic", k) for k in dict.fromkeys((made, max(0, made - 2), max(0, made - 8), made // 2))]
     tries += [("elliptic", k) for k in dict.fromkeys((max(0, made - 2), made // 2, 0))]
     for scheme, kept in tries:
         start, layers = result.points[:, kept], max(2, len(heights) - kept)
         reach = np.linalg.norm(target - start, axis=1)
+        if reach.min() == 0:
+            continue
         first = np.broadcast_to(heights[min(kept, len(heights) - 1)], reach.shape) / reach
         fractions = np.array([geometric(layers, first=f) for f in np.clip(first, 1e-11, 1 / layers)]).T
         rest = _rest(scheme, ready, start, target, fractions, progress)

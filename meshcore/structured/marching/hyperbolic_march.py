@@ -252,9 +252,21 @@ def marched(
            [0.5, 0.3]])
     """
     front = checked_front(front, closed)
-    heights = _checked_heights(heights, len(front))
+    heights = checked_heights(heights, len(front))
     conditions = as_numbers(ends, front, closed)
-    given = front, heights, np.empty((2, 0)), conditions
+    return run_until_whole(front, heights, np.empty((2, 0)), conditions, dissipation, progress)
+
+
+def run_until_whole(
+    front: np.ndarray,
+    heights: np.ndarray,
+    outer: np.ndarray,
+    conditions: Conditions,
+    dissipation: Dissipation,
+    progress: Progress,
+) -> Marched:
+    """March a checked front with more and more dissipation while cells fold, then with points drawn out of bays."""
+    given = front, heights, outer, conditions
     farthest, done = None, 0.0
     for drawing in (False, True):
         for times in RAISED:
@@ -336,14 +348,26 @@ def checked_front(front: np.ndarray, closed: bool, parameter: str = "front") -> 
     return front
 
 
-def _checked_heights(heights: np.ndarray, n: int) -> np.ndarray:
-    heights = np.asarray(heights, float)
-    heights = np.ascontiguousarray(heights.reshape(len(heights), -1) if heights.ndim else heights.reshape(1, 1))
-    if heights.shape[1] not in (1, n) or not len(heights):
+def checked_heights(heights: np.ndarray, n: int) -> np.ndarray:
+    """(layers, 1 or n) heights of layers, or an error that says what is wrong with them."""
+    heights = _real(heights)
+    if heights.ndim not in (1, 2) or not heights.size or heights.shape[1:] not in ((), (1,), (n,)):
         raise InvalidInput(f"needs shape (layers,) or (layers, {n}), got {heights.shape}", parameter="heights")
+    heights = np.ascontiguousarray(heights.reshape(len(heights), -1))
     if not (np.isfinite(heights) & (heights > 0)).all():
         raise InvalidInput("must be finite and greater than zero", parameter="heights")
     return heights
+
+
+def _real(heights: np.ndarray) -> np.ndarray:
+    """Heights as an array, if they are real numbers."""
+    try:
+        found = np.asarray(heights)
+        if found.dtype.kind in "biuf":
+            return found.astype(float)
+    except ValueError:  # of rows of different lengths
+        pass
+    raise InvalidInput("needs real numbers", parameter="heights")
 
 
 def _crossing(front: np.ndarray, closed: bool) -> tuple[int, int] | None:

@@ -7,6 +7,7 @@ import numpy as np
 from ...errors import InvalidGeometry
 from ...geometry.curves import NOTICEABLE, Curve, arc_length, is_closed, numbered_polyline, resampled, turning
 from ..crossings import TOUCH, refuse_crossings, refuse_outside
+from ..limits import check_extent
 from .fronts import Front
 
 EVENNESS = 0.5
@@ -31,6 +32,7 @@ def outer_points(ready: Front, curve: Curve) -> np.ndarray:
     array([0., 1., 2.])
     """
     spatial, number = numbered_polyline(curve, "outer")
+    check_extent(spatial, parameter="outer")
     closed = is_closed(spatial)
     if closed != ready.closed:
         words = ("closed", "open")

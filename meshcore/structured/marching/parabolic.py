@@ -6,7 +6,7 @@ from typing import Annotated
 
 import numpy as np
 
-from ...errors import GenerationFailed, InvalidInput
+from ...errors import GenerationFailed, InvalidGeometry, InvalidInput
 from ...geometry.curves import Curve, polyline
 from ...mesh import StructuredGrid
 from ...operation import Param, Port, Relative, absolute, operation
@@ -159,6 +159,11 @@ def _fractions(ready: Front, outer: np.ndarray, height, growth, layers, spacing)
         lines = [np.array([[0.0, 0, 0], [length, 0, 0]]) for length in reach]
         return np.array([spacing.fractions(layers, line, diagonal=ready.diagonal) for line in lines]).T
     nearest = float(reach.min())
+    if nearest == 0:
+        k = int(reach.argmin())
+        raise InvalidGeometry(
+            f"touches the front at its point {ready.number[k]}; move it away", parameter="outer", points=[k]
+        )
     if layers is None:
         if height >= nearest:
             raise InvalidInput(

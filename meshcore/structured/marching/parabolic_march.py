@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...errors import InvalidInput
-from ...progress import Progress, part_of, silent
-from .hyperbolic_march import Dissipation, Marched, checked_front, run
+from ...progress import Progress, silent
+from .hyperbolic_march import Dissipation, Marched, checked_front, run_until_whole
 from .marching_ends import End, OnCurve, as_numbers
 
 Side = np.ndarray
@@ -82,12 +82,7 @@ def marched(
     for curve, end in zip(conditions.curves, ends, strict=True):
         if not closed:
             curve[:, 2] /= curve[len(end.points) - 1, 2]
-    given = front, shares[1:], np.ascontiguousarray(outer.T), conditions, dissipation
-    result = run(*given, part_of(progress, 0.0, 0.5))
-    if result.stop is None:
-        return result
-    drawn = run(*given, part_of(progress, 0.5, 1.0), drawing=True)  # bays are left sooner by points drawn out of them
-    return drawn if drawn.stop is None or drawn.stop.layer > result.stop.layer else result
+    return run_until_whole(front, shares[1:], np.ascontiguousarray(outer.T), conditions, dissipation, progress)
 
 
 def _fitted(side: Side, start: np.ndarray, stop: np.ndarray) -> np.ndarray:

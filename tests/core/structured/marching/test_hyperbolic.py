@@ -12,7 +12,7 @@ from meshcore.sizing.around_loop import respaced_loop
 from meshcore.structured.marching._block_tridiagonal_kernels import solve
 from meshcore.structured.marching._collision_kernels import collisions
 from meshcore.structured.marching.hyperbolic_march import Dissipation, layer_heights, marched
-from meshcore.structured.marching.marching_ends import Along, Mirror, OnCurve, Splay
+from meshcore.structured.marching.marching_ends import Along, Free, Mirror, OnCurve, Splay
 from tests import naive_marching as naive
 from tests.outlines import outline, random_outlines
 
@@ -203,7 +203,7 @@ def blob(seed, n=60):
     return np.maximum(1 + 0.4 * waves, 0.15)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
 
 
-@pytest.mark.parametrize(("seed", "raised"), [(0, False), (492, True), (543, True), (998, True)])
+@pytest.mark.parametrize(("seed", "raised"), [(0, False), (543, True), (640, True), (998, True)])
 def test_where_cells_would_fold_a_march_is_tried_with_more_dissipation(seed, raised):
     heights = layer_heights(1e-4, 3.0, layers=80, distance=20.0)
     result = marched(blob(seed), heights, closed=True)
@@ -329,6 +329,13 @@ def test_ends_keep_their_lines():
     assert np.abs(3 * away[:, 0] - away[:, 1]).max() < 1e-14 and naive.sound(points, False)
 
 
+@pytest.mark.parametrize("end", [Along((1, 3)), OnCurve(np.array([[0.0, 0], [5, 9]]))], ids=["along", "curve"])
+def test_lines_beside_an_end_that_leaves_its_normal_do_not_crowd_however_far_the_front_comes(end):
+    x = np.linspace(0, 1, 61)
+    result = marched(np.column_stack([x, 0 * x]), np.full(40, 0.02), ends=(end, Free()))
+    assert result.stop is None and naive.sound(result.points, False)
+
+
 def test_an_end_follows_its_curve_by_the_heights():
     curve = np.array([[1.0, 0], [1.1, 0.1], [1.1, 5]])
     points = marched(LINE, HEIGHTS, ends=(Splay(30.0), OnCurve(curve[::-1]))).points
@@ -412,6 +419,12 @@ def test_any_plane():
         (polyline(gallery.square()), {"first_end": "plane"}, InvalidInput, "has no ends"),
         (LINE, {"heights": np.zeros(4)}, InvalidInput, "greater than zero"),
         (LINE, {"heights": np.ones((4, 3))}, InvalidInput, "needs shape"),
+        (LINE, {"heights": np.array(0.1)}, InvalidInput, "needs shape"),
+        (LINE, {"heights": np.empty(0)}, InvalidInput, "needs shape"),
+        (LINE, {"heights": np.ones((2, 2, 2))}, InvalidInput, "needs shape"),
+        (LINE, {"heights": np.full(3, 0.1 + 0j)}, InvalidInput, "real numbers"),
+        (LINE, {"heights": [[0.1], [0.1, 0.2]]}, InvalidInput, "real numbers"),
+        (LINE, {"outer": [[0, 1e300], [1, 1e300]]}, InvalidGeometry, "outer: has an extent"),
     ],
 )
 def test_bad_input(front, keywords, error, words):

@@ -10,6 +10,7 @@ from meshcore.geometry.curves import lines_through, polyline
 from meshcore.sizing import Spacing, geometric
 from meshcore.structured.marching.parabolic_march import marched
 from tests import naive_marching as naive
+from tests.sections import EDGES, KINDS, section
 
 LIFTED = polyline(gallery.circle(9, radius=2)) + [0, 0, 1]
 LINE = np.column_stack([np.linspace(0, 1, 21), np.zeros(21)])
@@ -51,6 +52,29 @@ def test_airfoils_meet_their_far_field(name, radius, cells):
     assert np.median(np.abs(cosine)) < 0.01
 
 
+@pytest.mark.parametrize("k", range(30))
+def test_any_section_reaches_circles_and_boxes(k):
+    rng = np.random.default_rng([4, k])
+    front = section(rng, KINDS[k % 3], EDGES[k // 3 % 3])
+    far = rng.uniform(0.8, 10)
+    box = np.array([[-far, -far], [far, -far], [far, far], [-far, far], [-far, -far]]) * [rng.uniform(1, 2), 1]
+    outer = gallery.circle(int(rng.integers(12, 200)), radius=far, centre=(0.5, 0.0)) if k % 2 else box + [0.5, 0]
+    grid, _ = mc.parabolic(front, outer, first_height=1e-3)
+    assert naive.sound(grid.points[:-1, :, 0, :2], True)
+    first = np.linalg.norm(grid.points[:, 1, 0] - grid.points[:, 0, 0], axis=1)
+    assert np.median(first) == pytest.approx(1e-3, rel=0.02)
+
+
+@pytest.mark.parametrize("k", range(12))
+def test_open_fronts_that_bend_reach_roofs_that_are_shifted(k):
+    rng = np.random.default_rng([5, k])
+    x = np.linspace(0, 1, int(rng.integers(20, 120)))
+    front = np.column_stack([x, rng.uniform(0, 0.15) * np.sin(rng.uniform(1, 12) * x + rng.uniform(0, 7))])
+    roof = np.column_stack([x * rng.uniform(0.7, 1.3) + rng.uniform(-0.3, 0.3), rng.uniform(0.5, 2) + 0 * x])
+    grid, report = mc.parabolic(front, roof[:: (-1) ** k], first_height=1e-3)
+    assert report.converged and naive.sound(grid.points[:, :, 0, :2], False)
+
+
 def test_points_of_the_outer_curve_are_kept_and_paired():
     inner, outer = gallery.circle(24), gallery.circle(24, radius=3.0, centre=(0.3, 0.0))
     grid, _ = mc.parabolic(inner, outer, layers=8, first_height=0.05)
@@ -88,6 +112,13 @@ def test_sides_and_spacing_of_an_open_front():
         (gallery.circle(12), gallery.circle(12, radius=2.0), {"first_height": 2.0}, InvalidInput, "comes as near"),
         (gallery.circle(12), gallery.circle(12, radius=2.0), {"first_height": 0.0}, InvalidInput, "greater than zero"),
         (gallery.circle(12), gallery.circle(12, radius=2.0), {"spacing": Spacing()}, InvalidInput, "layers"),
+        (
+            LINE,
+            LINE * [1, 0] + LINE[:, :1] * [0, 1],
+            {"layers": 5},
+            InvalidGeometry,
+            "touches the front at its point 0",
+        ),
         (LINE, LINE + [0, 1], {"first_side": [[0, 0.5], [0, 1.0]]}, InvalidInput, "away from"),
         (LINE, [[0, np.nan], [1, 1]], {}, InvalidInput, "nan"),
     ],
