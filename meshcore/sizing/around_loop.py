@@ -11,6 +11,10 @@ from ..geometry.curves import arc_length, corners, turning
 from ..geometry.spline import ShapeSpline
 
 _BINS = 4096
+_CORNER = np.radians(60)
+"""Turn from which on the two sides of a place differ."""
+_PASSES, _EXACT, _MOST = 8, 0.003, 4.0
+"""Corrections of sizes at places, the relative error that is small enough, and the largest factor of them all."""
 
 
 def smoothed_turning(fractions: np.ndarray, turn: np.ndarray, width: float) -> np.ndarray:
@@ -105,6 +109,50 @@ def respaced_loop(
            [1. , 0. ],
            [1. , 0.5]])
     """
+    asked, given, best = list(sizes), list(sizes), (np.inf, None)
+    for _ in range(_PASSES if asked else 1):
+        try:
+            new = _respaced(loop, cells, bend, width, given, growth)
+        except InvalidInput:
+            if best[1] is None:
+                raise
+            break
+        lacking = [size / _size_at(new, _place(loop, at), size) for at, size in asked]
+        worst = max((abs(x - 1) for x in lacking), default=0.0)
+        if worst < best[0]:
+            best = worst, new
+        if worst < _EXACT:
+            break
+        given = [
+            (at, float(np.clip(size * more, wanted / _MOST, wanted * _MOST)))
+            for (at, size), (_, wanted), more in zip(given, asked, lacking, strict=True)
+        ]
+    return best[1] if asked else new
+
+
+def _place(loop: np.ndarray, fraction: float) -> np.ndarray:
+    """The point of a closed loop at a fraction of its length."""
+    closed = np.vstack([loop, loop[:1]])
+    length = arc_length(closed)
+    return np.array([np.interp(fraction * length[-1], length, x) for x in closed.T])
+
+
+def _size_at(loop: np.ndarray, place: np.ndarray, asked: float) -> float:
+    """The mean length of the cells before and after the point of a loop that is nearest to a place.
+
+    At a corner, whose other side may be a short edge, it is that of the cell that is nearer to what is asked.
+    """
+    k = int(np.argmin(np.linalg.norm(loop - place, axis=1)))
+    before, after = loop[k] - loop[k - 1], loop[(k + 1) % len(loop)] - loop[k]
+    sizes = np.linalg.norm([before, after], axis=1)
+    turned = abs(np.arctan2(before[0] * after[1] - before[1] * after[0], before @ after))
+    return float(min(sizes, key=lambda size: abs(np.log(size / asked))) if turned > _CORNER else sizes.mean())
+
+
+def _respaced(
+    loop: np.ndarray, cells: int, bend: float, width: float, sizes: Sequence[tuple[float, float]], growth: float
+) -> np.ndarray:
+    """The loop with sizes as they come out roughly: of arcs of the old loop, not of edges of the new one."""
     turn = turning(loop)
     corner = corners(turn)
     stops = np.unique(np.append(np.flatnonzero(corner), 0))

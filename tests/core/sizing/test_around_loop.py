@@ -109,7 +109,9 @@ def test_cells_have_the_sizes_asked_at_the_edges_and_grow_from_there(name):
     new = respaced_loop(loop, 240, sizes=[(0.0, 0.001), (length[nose] / length[-1], 0.002)])
     steps = np.linalg.norm(np.roll(new, -1, axis=0) - new, axis=1)
     at_nose = int(np.argmin(np.linalg.norm(new - loop[nose], axis=1)))
-    assert steps[0] == pytest.approx(0.001, rel=0.15) and steps[at_nose] == pytest.approx(0.002, rel=0.15)
+    beside = steps[[0, -1]]  # the other side may be a blunt base
+    assert beside[np.argmin(np.abs(beside - 0.001))] == pytest.approx(0.001, rel=0.005)
+    assert steps[[at_nose - 1, at_nose]].mean() == pytest.approx(0.002, rel=0.01)
     ratio = steps[1:60] / steps[:59]
     assert ratio.max() < 1.35 and len(new) == 240
 
