@@ -13,8 +13,8 @@ from .section_result import scaled_jacobians
 from .unwrapped import free_reach, leaving, normals, shifts_beyond
 
 _BENDS = (0.3, 0.1, 0.03)
-_WORSE = 0.5
-"""Share of the worst scaled Jacobian that must be left if layers are respaced."""
+_WORSE, _SOUND = 0.5, 0.25
+"""Share of the worst scaled Jacobian that must be left if layers are respaced, and what is enough in any case."""
 
 
 def interpolated(region: Region, height: float, layers: int | None, growth: float) -> np.ndarray:
@@ -132,7 +132,7 @@ def evenly_growing(region: Region, points: np.ndarray, height: float | None) -> 
     for line, end in ((0, region.left), (-1, region.right)):
         found[line] = _onto_line(found[line], end)
     worst = [scaled_jacobians(lines).min() for lines in (found, points)]
-    return found if worst[0] > _WORSE * worst[1] else points
+    return found if worst[0] > min(_WORSE * worst[1], _SOUND) else points
 
 
 def _onto_line(points: np.ndarray, line: np.ndarray) -> np.ndarray:
