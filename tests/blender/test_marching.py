@@ -109,9 +109,9 @@ def test_what_to_select_is_said_for_each(core):
     from bl_ext.user_default.meshcore import inputs, properties
 
     asked = {name: inputs.wanted_text(one) for name, one in properties.registry()["operations"].items()}
+    assert asked["discretised"] == "a curve, or a mesh with open edges"
     assert asked["parabolic"] == "2 curves (front, outer; make the front the active one)"
     assert asked["o_grid"].startswith(
         "a curve, or a mesh with open edges, or 2 curves (section, outer; make the section"
     )
-    assert asked["h_grid"] == "a curve, or a mesh with open edges"
     assert asked["transfinite"].startswith("4 curves (south, east, north, west), or one closed curve or four chains")
