@@ -56,9 +56,8 @@ class Outcome(NamedTuple):
 def made(topology: str, section: Any, method: str, **options: Any) -> Outcome:
     """A grid, and what it is like."""
     began = time.process_time()
-    given = options if topology == "H" else {"method": method, **options}
     try:
-        grid, report = MAKERS[topology](section, **given)
+        grid, report = MAKERS[topology](section, method=method, **options)
     except MeshcoreError as error:
         return Outcome("refused", f"{type(error).__name__}: {error}", seconds=time.process_time() - began)
     seconds = time.process_time() - began
@@ -68,17 +67,15 @@ def made(topology: str, section: Any, method: str, **options: Any) -> Outcome:
     fell = [w for w in report.warnings if "took" in w or "held without" in w or "stays as" in w]
     skew = max(float(90 - line_angle(block)[:, 1:-1].min()) for block in blocks)
     jacobian = report.quality["worst scaled jacobian"]
-    lowest, highest, growth = _heights(blocks[0], report, topology)
+    lowest, highest, growth = _heights(blocks[topology == "H"], report)  # of an H-grid, above the section
     told = "fell back" if fell else "made", "; ".join(report.warnings)
     return Outcome(*told, skew, jacobian, lowest, highest, growth, seconds, report.converged)
 
 
-def _heights(grid: StructuredGrid, report: Any, topology: str) -> tuple[float, float, float]:
+def _heights(grid: StructuredGrid, report: Any) -> tuple[float, float, float]:
     """Least and largest first height of what was asked for, and by how much mean heights grow unevenly (%)."""
-    if topology == "H":
-        return 1.0, 1.0, 0.0
     wake = report.counts.get("wake", 0)
-    lines = grid.points[wake : len(grid.points) - wake, :, 0]
+    lines = grid.points[report.counts.get("ahead", wake) : len(grid.points) - wake, :, 0]
     steps = np.linalg.norm(np.diff(lines, axis=1), axis=-1)
     asked = report.quality["first height"]
     growth = 0.0
@@ -105,7 +102,7 @@ def each_airfoil(named: Iterable[tuple[str, Any]]) -> None:
     )  # fmt: skip
     for name, section in named:
         for topology in MAKERS:
-            for method in METHODS if topology != "H" else METHODS[:1]:
+            for method in METHODS:
                 o = made(topology, section, method)
                 print_row(
                     name, topology, method, o.word, f"{o.skew:.1f}", f"{o.jacobian:.3f}",
@@ -124,7 +121,7 @@ def sweep(named: Iterable[tuple[str, Any]], topologies: str) -> None:
     )  # fmt: skip
     for name, section in named:
         for topology in topologies:
-            for method in METHODS if topology != "H" else METHODS[:1]:
+            for method in METHODS:
                 all_of = [
                     made(topology, section, method, first_height=height, **({"around": n} if n else {}))
                     for n in AROUND
@@ -206,7 +203,7 @@ def runs(number: int, seed: int, touched: bool) -> Iterator[tuple[str, str, str,
         options = options_of(np.random.default_rng([seed, k, 7])) if touched else {}
         for topology in MAKERS:
             mine = {name: value for name, value in options.items() if topology != "H" or name != "far_field"}
-            for method in METHODS if topology != "H" else METHODS[:1]:
+            for method in METHODS:
                 yield f"{kind}, {k}", topology, method, loop, mine
 
 
