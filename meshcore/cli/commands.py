@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -116,13 +117,12 @@ def run_operation(arguments: argparse.Namespace, inputs: Inputs) -> None:
         bar(0.0, "compiling")  # what a first call does for seconds; the operation's own words follow
         mesh, report = operation.function(**inputs, **values, progress=bar)
         bar(1.0, "writing")
-        from .. import io
-
-        io.write(arguments.output, mesh)
+        written, told = files.write(arguments.output, mesh, operation.output)
+        report = replace(report, warnings=[*report.warnings, *told])
         if arguments.picture:
             files.draw(mesh, arguments.picture, title=operation.label)
     if arguments.json:
-        files.print_json({**vars(report), "output": str(arguments.output), "picture": arguments.picture})
+        files.print_json({**vars(report), "output": str(written), "picture": arguments.picture})
     elif not arguments.quiet:
         print(report)
         if arguments.histogram:

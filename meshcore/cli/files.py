@@ -1,4 +1,4 @@
-"""Files of the command line: read for an input, refuse an output before the work, print as JSON."""
+"""Files of the command line: read for an input, refuse an output before the work, write, print as JSON."""
 
 from __future__ import annotations
 
@@ -12,6 +12,9 @@ from typing import Any
 
 from ..errors import InvalidInput
 from ..mesh import Mesh, MultiBlock, PolyhedralMesh, StructuredGrid
+
+_BLOCKS = ".vtm"
+"""What files that hold blocks are called."""
 
 
 def read(path: Path, port_type: Any = None) -> Any:
@@ -65,6 +68,25 @@ def check_mesh_file(path: Path, kind: str) -> None:
         smallest = PolyhedralMesh.from_polygons(corners, [[0, 1, 2, 3]])
     with _folder_beside(path) as folder:
         io.write(Path(folder) / path.name, smallest)
+
+
+def write(path: Path, mesh: Any, kind: str) -> tuple[Path, list[str]]:
+    """Write what an operation has made; where it is, and what has to be said of that.
+
+    Whether "grid or blocks" makes one grid or several blocks is only known in the end, when the work is done: a file
+    that holds one grid gives way to one that holds blocks.
+    """
+    from .. import io
+
+    try:
+        io.write(path, mesh)
+    except InvalidInput:
+        if kind != "grid or blocks" or not isinstance(mesh, MultiBlock):
+            raise
+        held = path.with_suffix(_BLOCKS)
+        io.write(held, mesh)
+        return held, [f"{path.name} would hold one grid only: the {len(mesh.blocks)} blocks are in {held}"]
+    return path, []
 
 
 def check_picture_file(path: Path | None) -> None:

@@ -635,3 +635,11 @@ def test_a_format_without_its_library_is_refused_before_the_work(tmp_path, call,
     mc.io.write(tmp_path / "section.vtp", gallery.airfoil("naca0012"))
     code, _, err = call("c-grid", tmp_path / "section.vtp", "-o", tmp_path / "c.cgns")
     assert code != 0 and "pip install h5py" in err and not leftovers(tmp_path)
+
+
+def test_blocks_are_not_lost_for_a_file_of_one_grid(tmp_path, call):
+    loop = gallery.airfoil("naca0012")  # whose base has a block of its own
+    mc.io.write(tmp_path / "section.vtp", loop)
+    code, out, _ = call("c-grid", tmp_path / "section.vtp", "-o", tmp_path / "c.vts", "--around", 60, "--layers", 12)
+    assert code == 0 and "c.vts would hold one grid only: the 2 blocks are in" in " ".join(out.split())
+    assert len(mc.io.read(tmp_path / "c.vtm").blocks) == 2 and not (tmp_path / "c.vts").exists()
