@@ -19,6 +19,8 @@ ALIKE = 0.9
 """Of the sharpest turn: points of round bodies that turn by more are alike, and the rearmost along x is the tail."""
 SIMILAR = np.radians(10.0)
 """Edges that turn by no less than this below the sharpest may be the trailing one: that farthest from the middle is."""
+STRAIGHT = 1e-3
+"""Of a base's width: how far its points may stand off it. What is rounder, or has a notch, is no base."""
 Edge = Literal["sharp", "cusped", "blunt", "round"]
 
 
@@ -217,6 +219,18 @@ def _base(loop: np.ndarray, turn: np.ndarray, convex: np.ndarray) -> tuple[int, 
     away = np.linalg.norm(loop[convex] - centroid(loop), axis=1)
     alike = together > together.max() - SIMILAR
     farthest = np.flatnonzero(alike & (away > (1 - 1e-9) * away[alike].max()))
-    own = offset[farthest[np.argmax(turn[convex][farthest])]]
+    sharpest = farthest[np.argmax(turn[convex][farthest])]
+    own = offset[sharpest]
     near = np.flatnonzero(np.abs(own) < TRAILING)
-    return int(convex[near[np.argmin(own[near])]]), int(convex[near[np.argmax(own[near])]])
+    first, last = int(convex[near[np.argmin(own[near])]]), int(convex[near[np.argmax(own[near])]])
+    if _is_straight(loop, first, last):
+        return first, last
+    return int(convex[sharpest]), int(convex[sharpest])
+
+
+def _is_straight(loop: np.ndarray, first: int, last: int) -> bool:
+    """Whether a loop runs straight from one of its points to another."""
+    between = loop[(first + np.arange((last - first) % len(loop) + 1)) % len(loop)] - loop[first]
+    along = between[-1]
+    off = np.abs(along[0] * between[:, 1] - along[1] * between[:, 0])
+    return bool((off <= STRAIGHT * (along @ along)).all())

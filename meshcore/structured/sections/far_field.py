@@ -14,6 +14,8 @@ from ..crossings import refuse_outside
 from ..limits import check_extent
 
 FarField = Literal["circle", "box"]
+_EVEN = 0.1
+"""Share of an even spacing in that of points that have to be put in order."""
 
 
 class OuterCurve:
@@ -133,6 +135,23 @@ class PolarCurve:
         """(...,) float: how much farther from the centre points are than the curve is."""
         away = points - self.centre
         return np.linalg.norm(away, axis=-1) - self.radius(away)
+
+    def in_order(self, points: np.ndarray) -> np.ndarray:
+        """(n, 2) float: counter-clockwise points of the curve put in order, or as they are if they run back nowhere.
+
+        Lines that cross, as from deep teeth, end in another order than they begin; a march onto the curve needs it.
+        """
+        away = points - self.centre
+        angle = np.unwrap(np.arctan2(away[:, 1], away[:, 0]))
+        if (np.diff(np.append(angle, angle[0] + 2 * np.pi)) > 0).all():
+            return points
+        number = np.arange(len(points)) / len(points)
+        ahead = np.maximum.accumulate(np.concatenate([angle - 2 * np.pi, angle]))[len(angle) :]
+        ahead = np.minimum(ahead, ahead[0] + 2 * np.pi)
+        even = ahead[0] + 2 * np.pi * number
+        angle = (1 - _EVEN) * ahead + _EVEN * even
+        unit = np.column_stack([np.cos(angle), np.sin(angle)])
+        return self.onto(self.centre + unit)
 
     def onto(self, points: np.ndarray) -> np.ndarray:
         """(n, 2) float: points moved onto the curve along their directions; the nearest ones onto its corners."""

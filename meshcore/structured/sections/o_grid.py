@@ -189,7 +189,7 @@ def _wrapped(loop, far, chord, height, growth, layers, progress) -> np.ndarray:
         ) from None
     fractions = np.vstack([fractions, fractions[:1]])
     points = paths(around, rays, bend, fractions * reach[:, None])
-    points[:-1, -1] = far.onto(points[:-1, -1])
+    points[:-1, -1] = far.in_order(far.onto(points[:-1, -1]))
     points[:, 0] = around.points
     points[-1] = points[0]  # the cut, to the last bit
     return points
