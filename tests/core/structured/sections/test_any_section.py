@@ -166,3 +166,10 @@ def test_where_no_march_reaches_the_far_field_a_hyperbolic_one_makes_its_own_and
 
 def far_of(circle: np.ndarray, make) -> np.ndarray:
     return np.vstack([circle, circle[:1]]) if make is mc.o_grid else circle
+
+
+def test_lines_that_end_out_of_order_are_put_in_order_before_a_march_onto_the_far_field():
+    # A gear on some hundred points, whose straight lines cross up to the far field.
+    for k in (22, 53):
+        trial = tried("O", "parabolic", section_of("gear", 600, k))
+        assert trial.word == "sound", trial
