@@ -19,8 +19,8 @@ ALIKE = 0.9
 """Of the sharpest turn: points of round bodies that turn by more are alike, and the rearmost along x is the tail."""
 SIMILAR = np.radians(10.0)
 """Edges that turn by no less than this below the sharpest may be the trailing one: that farthest from the middle is."""
-STRAIGHT = 1e-3
-"""Of a base's width: how far its points may stand off it. What is rounder, or has a notch, is no base."""
+STRAIGHT = 0.3
+"""Of a base's width: how far its points may stand off it. What is rounder, or has a deeper notch, is no base."""
 Edge = Literal["sharp", "cusped", "blunt", "round"]
 
 
@@ -229,7 +229,7 @@ def _base(loop: np.ndarray, turn: np.ndarray, convex: np.ndarray) -> tuple[int, 
 
 
 def _is_straight(loop: np.ndarray, first: int, last: int) -> bool:
-    """Whether a loop runs straight from one of its points to another."""
+    """Whether a loop runs nearly straight from one of its points to another."""
     between = loop[(first + np.arange((last - first) % len(loop) + 1)) % len(loop)] - loop[first]
     along = between[-1]
     off = np.abs(along[0] * between[:, 1] - along[1] * between[:, 0])

@@ -71,11 +71,11 @@ def test_noise_at_the_nose_is_no_trailing_edge():
 
 
 def test_an_edge_that_is_rounded_by_few_points_is_no_base():
-    cap = np.radians([60, 0, -60])
+    cap = np.radians([85, 0, -85])
     loop = np.vstack(
         [np.column_stack([1 + 0.01 * np.cos(cap), 0.01 * np.sin(cap)]), [[0.3, -0.05], [0, 0], [0.3, 0.05]]]
     )
     section = Section.of(loop)
     assert section.edge != "blunt" and section.tail[0] > 1
     flat = Section.of(np.insert(loop, 1, 0.5 * (loop[0] + loop[2]), axis=0)[[0, 1, 3, 4, 5, 6]])
-    assert flat.edge == "blunt" and flat.base == pytest.approx(0.02 * np.sin(np.radians(60)))
+    assert flat.edge == "blunt" and flat.base == pytest.approx(0.02 * np.sin(np.radians(85)))
