@@ -141,7 +141,7 @@ def _end(local: np.ndarray, lower: int | None) -> tuple[int, int]:
     if lower is not None:
         return lower, 0
     x = local[:, 0]
-    rear = np.flatnonzero(x > x.max() - _LEVEL * np.ptp(x))
+    rear = np.flatnonzero(x >= x.max() - _LEVEL * np.ptp(x))
     order = rear[np.argsort(local[rear, 1])]
     return int(order[0]), int(order[-1])
 
