@@ -93,12 +93,12 @@ def sides_of(section: Curve, around: int | None, leading: Length | None, trailin
         check_size(around + 1, 2, parameter="around")
     shape = respaced_section(Section.of(given.loop), around, lead, trail)
     loop = shape.loop
-    along = _turned(shape.direction, flow)
+    along, base = _turned(shape.direction, flow), shape.lower if shape.edge == "blunt" else None
     if shape.edge == "round" or len(np.flatnonzero(np.abs(turning(loop)) > np.radians(60))) > 3:
-        along = _turned(np.array([1.0, 0.0]), flow)  # bodies without a trailing edge, and slabs
+        along, base = _turned(np.array([1.0, 0.0]), flow), None  # bodies without a trailing edge, and slabs
     frame = np.array([along, [-along[1], along[0]]])
     local = loop @ frame.T
-    tail = _end(local, shape.lower if shape.edge == "blunt" else None)
+    tail = _end(local, base)
     nose = _end(local * [-1, 1], None)
     upper = _side(local, nose, tail)
     lower = _side(local[::-1] * [1, -1], *((len(local) - 1 - a, len(local) - 1 - b) for b, a in (nose, tail)))
