@@ -193,3 +193,26 @@ def test_a_failure_shows_where():
     partial = caught.value.partial
     bad = (naive.cross_areas(partial.points[:, :, 0]) <= 0).any(axis=-1)
     assert bad.any() and set(caught.value.cells) >= set(np.flatnonzero(bad.ravel(order="F")))
+
+
+@pytest.mark.parametrize("name", ["rae2822", "s1223", "cusped"])
+def test_lines_of_elliptic_grids_run_through_the_wake(name):
+    grid, report = mc.c_grid(SECTIONS[name], method="elliptic", first_height=1e-4, wake_height=1e-3)
+    points, wake, n = grid.points[:, :, 0], report.counts["wake"], grid.cell_shape[0]
+    k = np.arange(1, wake)
+    above, below = points[n - k, 1] - points[n - k, 0], points[k, 0] - points[k, 1]
+    turn = np.cross(below, above)[:, 2] / (np.linalg.norm(above, axis=1) * np.linalg.norm(below, axis=1))
+    assert np.degrees(np.abs(np.arcsin(turn))).max() < 1
+    assert np.linalg.norm(above, axis=1) == pytest.approx(np.linalg.norm(below, axis=1), rel=2e-3)
+    # What the equations ask of the cut, across it: lines bend there no more than beside it.
+    rows = np.concatenate([points[wake::-1, 2:0:-1], points[n - wake :, :3]], axis=1)[1:-1]
+    step = 0.5 * (rows[:, 2:] - rows[:, :-2])
+    bend = np.cross(step, rows[:, 2:] - 2 * rows[:, 1:-1] + rows[:, :-2])[..., 2] / (step**2).sum(axis=-1)
+    assert np.abs(bend[:, 1]).max() < max(0.02, 2 * np.abs(bend[:, [0, 2]]).max())
+
+
+def test_the_wake_of_a_symmetric_section_is_straight_and_its_grid_symmetric():
+    grid, report = mc.c_grid(closed(joukowski(120, -0.1 + 0j)), method="elliptic")
+    points = grid.points[:, :, 0]
+    assert np.abs(points[: report.counts["wake"], 0, 1]).max() < 1e-9
+    assert np.abs(points - points[::-1] * [1, -1, 1]).max() < 1e-3
