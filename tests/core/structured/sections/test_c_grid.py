@@ -62,7 +62,7 @@ def test_no_cell_is_folded_and_the_heights_are_those_asked(name, keywords, metho
     mean = np.linalg.norm(np.diff(points[section], axis=1), axis=-1).mean(axis=0)
     growth = mean[1:] / mean[:-1]
     if method != "hyperbolic" or (name in gallery.airfoils() and keywords == {}):
-        assert growth == pytest.approx(np.median(growth), rel=0.02 if method == "hyperbolic" else 0.005)
+        assert growth == pytest.approx(np.median(growth), rel=0.005)
     assert report.converged and not report.warnings
     if method == "transfinite" and name in gallery.airfoils():
         assert report.quality["largest growth"] <= 1.151
