@@ -139,7 +139,11 @@ def c_grid(
     Notes
     -----
     The grid is transfinite between the front and the far field in the plane of a square root, which opens both into
-    nearly straight lines (Jameson's parabolic coordinates), with lines normal to the section.
+    nearly straight lines (Jameson's parabolic coordinates), with lines normal to the section. Levels of the other
+    methods are moved along their lines, or marched anew, until layers grow by one factor from the first height on.
+
+    The wake stays where it is asked to be, near where the flow goes. Elliptic lines run through it at right angles,
+    with cells of one height on both sides, as the equations would have it on a line that is free.
 
     References
     ----------
