@@ -180,16 +180,16 @@ def test_a_far_field_inside_the_section_is_refused():
         mc.c_grid(gallery.airfoil("rae2822"), np.array([[0.5, -0.01], [0.3, -0.01], [0.3, 0.01], [0.5, 0.01]]))
 
 
-def horseshoe() -> np.ndarray:
+def horseshoe(gap: float = 0.2) -> np.ndarray:
     """A ring with a narrow gap, whose inside no C-grid reaches."""
-    angle = np.linspace(0.05, 2 * np.pi - 0.05, 40)
+    angle = np.linspace(gap, 2 * np.pi - gap, 40)
     outside = np.column_stack([np.cos(angle), np.sin(angle)])
     return np.vstack([outside, 0.8 * outside[::-1], outside[:1]])
 
 
 def test_a_failure_shows_where():
     with pytest.raises(GenerationFailed, match="cells are folded") as caught:
-        mc.c_grid(horseshoe(), first_height=0.005)
+        mc.c_grid(horseshoe(0.02), first_height=0.005)
     partial = caught.value.partial
     bad = (naive.cross_areas(partial.points[:, :, 0]) <= 0).any(axis=-1)
     assert bad.any() and set(caught.value.cells) >= set(np.flatnonzero(bad.ravel(order="F")))
