@@ -174,7 +174,7 @@ def c_grid(
     points = _best(front, curve, layers, growth, part_of(progress, 0.1, 0.5))
     step, past = part_of(progress, 0.5, 0.6), _past_base(front, points)
     method, points, told, changed = lines_by(
-        method, points, closed=False, progress=step, kept=past, wake=front.wake, bound=outer is not None
+        method, points, closed=False, progress=step, kept=past, bound=outer is not None
     )
     grid = _block(front, points, given)
     counts = {"around": len(points) - 1 - 2 * front.wake, "wake": front.wake, "layers": grid.cell_shape[1], **changed}

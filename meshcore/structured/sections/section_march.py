@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -43,14 +42,7 @@ class Lines(NamedTuple):
 
 
 def lines_by(
-    method: str,
-    points: np.ndarray,
-    *,
-    closed: bool,
-    progress: Progress,
-    kept: int = 0,
-    wake: int = 0,
-    bound: bool = True,
+    method: str, points: np.ndarray, *, closed: bool, progress: Progress, kept: int = 0, bound: bool = True
 ) -> Lines:
     """The lines of a method in place of transfinite ones, and those of a march where transfinite ones cross.
 
@@ -67,15 +59,13 @@ def lines_by(
         Called with fraction and message.
     kept : int
         Layers of the transfinite grid that stay; a march that is asked for goes on from the last of them.
-    wake : int
-        Lines at both ends that leave no section: layers grow as asked over the others.
     bound : bool
         Whether lines have to end on the far field. If not, a hyperbolic march is tried where the parabolic one stops.
     """
-    found = _by(method, points, closed, progress, kept, wake)
+    found = _by(method, points, closed, progress, kept)
     if bound or method == "hyperbolic" or found.method != "elliptic" or not found.warnings:
         return found
-    marched = _marched(points, "hyperbolic", closed, progress, kept, wake)
+    marched = _marched(points, "hyperbolic", closed, progress, kept)
     if marched.method != "hyperbolic":
         return found
     told = [text.replace(_EQUATIONS, _ARRIVES) for text in found.warnings]
@@ -84,14 +74,14 @@ def lines_by(
     )
 
 
-def _by(method: str, points: np.ndarray, closed: bool, progress: Progress, kept: int, wake: int) -> Lines:
+def _by(method: str, points: np.ndarray, closed: bool, progress: Progress, kept: int) -> Lines:
     """As `lines_by`; "elliptic" with warnings if no march has reached the far field."""
     if method in ("hyperbolic", "parabolic"):
-        return _marched(points, method, closed, progress, kept, wake)
+        return _marched(points, method, closed, progress, kept)
     crossed = int((scaled_jacobians(points) <= FLAT).sum())
     if not crossed:
         return Lines(method, points, [], {})
-    found = _marched(points, "parabolic", closed, progress, 0, wake)
+    found = _marched(points, "parabolic", closed, progress, 0)
     if found.method == "elliptic":
         return found._replace(warnings=[f"lines crossed in {crossed} cells", *found.warnings])
     if method == "elliptic":
@@ -102,7 +92,7 @@ def _by(method: str, points: np.ndarray, closed: bool, progress: Progress, kept:
     )
 
 
-def _marched(points: np.ndarray, method: str, closed: bool, progress: Progress, kept: int, wake: int) -> Lines:
+def _marched(points: np.ndarray, method: str, closed: bool, progress: Progress, kept: int) -> Lines:
     """A marched grid in place of a transfinite one, whose front, heights and far field it takes.
 
     If no march could reach the end it is the transfinite one, for the elliptic equations.
@@ -112,18 +102,12 @@ def _marched(points: np.ndarray, method: str, closed: bool, progress: Progress, 
     front = lines[:, kept]
     warnings: list[str] = []
     ends = (OnCurve(points[0, kept:]), OnCurve(points[-1, kept:]))
-    section = slice(wake, len(lines) - wake)
-    wanted = steps[section].mean(axis=0)
     if not kept:
         steps = heights_for_march(front, steps, closed, ends)
     if method == "hyperbolic":
-        march = partial(hyperbolic_march.marched, front, closed=closed, ends=ends)
-        found = march(steps.T, progress=part_of(progress, 0.0, 0.3))
+        found = hyperbolic_march.marched(front, steps.T, closed=closed, ends=ends, progress=part_of(progress, 0.0, 0.5))
         if found.stop is None:
-            reached = np.linalg.norm(np.diff(found.points[section], axis=1), axis=-1).mean(axis=0)
-            again = march((steps * (wanted / reached)).T, progress=part_of(progress, 0.3, 0.5))
-            even = again if again.stop is None and again.raised == found.raised else found
-            return _whole(method, points, even, kept, closed, warnings)
+            return _whole(method, points, found, kept, closed, warnings)
         warnings.append(f"the hyperbolic march {stop_told(found.stop)}; the parabolic one took its place")
     fractions = np.concatenate([np.zeros((1, len(lines))), np.cumsum(steps, axis=1).T])
     fractions /= fractions[-1]

@@ -69,7 +69,7 @@ def finished(
         outside = replace(grid, points=grid.points[:, past:], cuts=() if past else grid.cuts)
         outside, report, more = smoothed(outside, wall_of(outside, kept), cure, progress)
         grid = replace(grid, points=np.concatenate([grid.points[:, :past], outside.points], axis=1))
-    if method in ("elliptic", "parabolic"):
+    if method != "transfinite":  # whose lines have their points by that very law
         grid = _evenly_growing(grid, wanted, past, counts.get("wake", 0))
     if past == 0 or method == "elliptic":
         lines = with_first_heights(grid.points[:, past:, 0], wanted)

@@ -305,3 +305,10 @@ def test_heights_that_rounding_would_lose(keywords):
 def test_grids_too_large_for_the_memory(name):
     with pytest.raises(InvalidInput, match=f"{name}: would make .* points; at most"):
         mc.o_grid(gallery.circle(12), **{name: 10**9})
+
+
+@pytest.mark.parametrize("name", gallery.airfoils())
+def test_layers_of_a_march_grow_evenly_on_every_line(name):
+    # A march holds areas: a line from a sharp trailing edge had layers of 1e-3, 1.7e-4, 8e-4.
+    _, report = mc.o_grid(gallery.airfoil(name), method="hyperbolic")
+    assert report.quality["largest growth"] < 1.2
