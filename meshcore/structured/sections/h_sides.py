@@ -141,9 +141,11 @@ def _end(local: np.ndarray, lower: int | None) -> tuple[int, int]:
     if lower is not None:
         return lower, 0
     x = local[:, 0]
-    rear = np.flatnonzero(x >= x.max() - _LEVEL * np.ptp(x))
-    order = rear[np.argsort(local[rear, 1])]
-    return int(order[0]), int(order[-1])
+    is_rear = x >= x.max() - _LEVEL * np.ptp(x)
+    around = (np.argmin(is_rear) + np.arange(len(x))) % len(x)  # from a point that is not at the rear
+    runs = np.split(around, np.flatnonzero(np.diff(is_rear[around])) + 1)[1::2]
+    rear = max(runs, key=lambda run: float(np.ptp(local[run, 1])))  # tips with a bay between them are no flat rear
+    return int(rear[np.argmin(local[rear, 1])]), int(rear[np.argmax(local[rear, 1])])
 
 
 def _side(local: np.ndarray, nose: tuple[int, int], tail: tuple[int, int]) -> Side:

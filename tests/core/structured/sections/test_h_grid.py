@@ -187,3 +187,14 @@ def test_operators_go_through_the_cuts():
 def test_bad_input_gets_a_clear_error(section, keywords, error, words):
     with pytest.raises(error, match=words):
         mc.h_grid(section, **keywords)
+
+
+def test_two_tips_with_a_bay_between_them_are_no_flat_front():
+    # Five spikes, two of them at the same x: the bay was bridged by a straight front.
+    angle = np.pi / 5 * (np.arange(10) + 1)
+    loop = np.where(np.arange(10) % 2, 0.75, 1.0)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    outline = np.vstack([loop, loop[:1]])
+    blocks, _ = mc.h_grid(outline, method="hyperbolic", first_height=0.02)
+    lower, upper = blocks.blocks
+    wall = np.concatenate([lower.points[:, -1, 0, :2], upper.points[:, 0, 0, :2]])
+    assert np.linalg.norm(wall[:, None] - loop, axis=-1).min(axis=0).max() < 1e-12
