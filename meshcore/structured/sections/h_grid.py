@@ -16,6 +16,7 @@ from ...report import Report, Result
 from ..folds import refuse_folds
 from ..layer_report import layers_told, worst_skew
 from . import section_parameters as parameters
+from .first_heights import with_first_heights
 from .h_lines import evenly_growing, interpolated
 from .h_march import lines_of, past_base
 from .h_regions import Region, box_regions, given_regions
@@ -171,8 +172,6 @@ def _lines(region: Region, method: str, height: float, layers: int | None, growt
     points = interpolated(region, height, layers, growth)
     kept = past_base(region, points)
     lines = lines_of(method, region, points, height, kept, part_of(progress, 0.0, 0.4))
-    if lines.method == "transfinite":
-        return lines
     told: list[str] = []
     whole = np.concatenate([lines.points, np.zeros((*lines.points.shape[:2], 1))], axis=2)
     outside = StructuredGrid(whole[:, kept:], names=_NAMES)
@@ -180,9 +179,19 @@ def _lines(region: Region, method: str, height: float, layers: int | None, growt
         kept_angles = np.ones(len(whole)) if kept else _at_corners(region)
         outside, told = _smoothed(outside, kept_angles, part_of(progress, 0.4, 1.0))
     made = evenly_growing(region, outside.points[:, :, 0, :2], height if kept == 0 else None)
+    if kept == 0:  # heights of layers round an edge are those of its bends
+        made = _begun_at(made, height)
     beyond = "beyond the layers that round the edge: " if kept else ""
     whole = np.concatenate([lines.points[:, :kept], made], axis=1)
     return lines._replace(points=whole, warnings=[*lines.warnings, *(beyond + text for text in told)])
+
+
+def _begun_at(points: np.ndarray, height: float) -> np.ndarray:
+    """Lines that begin at the height asked for, where cells stay sound; inflow and outflow stay."""
+    heights = np.full(len(points), height)
+    heights[[0, -1]] = np.linalg.norm(points[[0, -1], 1] - points[[0, -1], 0], axis=1)
+    spatial = np.concatenate([points, np.zeros((*points.shape[:2], 1))], axis=2)
+    return with_first_heights(spatial, heights)[..., :2]
 
 
 def _smoothed(grid: StructuredGrid, kept: np.ndarray, progress: Progress) -> tuple[StructuredGrid, list[str]]:
