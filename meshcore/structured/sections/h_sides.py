@@ -18,7 +18,7 @@ from .section_input import section_loop
 
 _STEEP = np.radians(45)
 """Slope from the flow's direction from which on the front of a section counts as a step."""
-_LEVEL = 1e-6
+_LEVEL = 1e-8
 """Of the extent: how far the points of a flat front or rear may be apart along the flow."""
 
 

@@ -198,3 +198,12 @@ def test_two_tips_with_a_bay_between_them_are_no_flat_front():
     lower, upper = blocks.blocks
     wall = np.concatenate([lower.points[:, -1, 0, :2], upper.points[:, 0, 0, :2]])
     assert np.linalg.norm(wall[:, None] - loop, axis=-1).min(axis=0).max() < 1e-12
+
+
+def test_a_round_nose_of_many_points_is_no_flat_front():
+    angle = np.linspace(0, 2 * np.pi, 4001)
+    ellipse = np.column_stack([np.cos(angle), 0.2 * np.sin(angle)])
+    blocks, _ = mc.h_grid(ellipse, layers=8, first_height=0.01)
+    wall = np.concatenate([blocks.blocks[0].points[:, -1, 0, :2], blocks.blocks[1].points[:, 0, 0, :2]])
+    for end in (ellipse[0], ellipse[2000]):
+        assert np.linalg.norm(wall - end, axis=1).min() < 1e-12
