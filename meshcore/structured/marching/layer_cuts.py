@@ -29,7 +29,8 @@ class _BlockSide(NamedTuple):
         index = [0, 0, 0]
         index[self.along] = at
         index[self.across] = shape[self.across] - 1 if self.last else 0
-        return tuple(index)  # type: ignore[return-value]
+        i, j, k = index
+        return i, j, k
 
 
 def with_cuts(
@@ -131,11 +132,12 @@ def _cut(side: _BlockSide, other: _BlockSide, backwards: bool, pair: EdgePair | 
     transform = [0, 0, 3]
     transform[side.along] = (-1 if backwards else 1) * (other.along + 1)
     transform[side.across] = (-1 if side.last == other.last else 1) * (other.across + 1)
+    i, j, k = transform
     motion = Motion() if pair is None else pair.motion
     return Cut(
         (side.place(here, 0), side.place(here, end)),
         (other.place(there, end if backwards else 0), other.place(there, 0 if backwards else end)),
-        tuple(transform),  # type: ignore[arg-type]
+        (i, j, k),
         side.block,
         other.block,
         rotation=tuple(map(tuple, motion.turn.tolist())) if motion.is_turn else None,

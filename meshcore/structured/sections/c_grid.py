@@ -13,7 +13,6 @@ from ...mesh import Cut, StructuredGrid
 from ...operation import Param, Port, Relative, absolute, operation
 from ...progress import Progress, advance, part_of, silent
 from ...report import Result
-from ..folds import FLAT
 from ..limits import check_size
 from . import section_parameters as parameters
 from .base_block import base_points, with_base
@@ -22,7 +21,7 @@ from .far_field import OuterCurve, c_shape, given_outer, half_box
 from .lines_out import geometric_lines
 from .section_front import BASE_CELLS, respaced_section
 from .section_input import GivenSection, section_loop
-from .section_march import lines_by
+from .section_march import layers_within, lines_by
 from .section_result import finished, scaled_jacobians
 from .unwrapped import paths
 
@@ -205,9 +204,7 @@ def _past_base(front: Front, points: np.ndarray) -> int:
         return 0
     n, wake = len(front.points), front.wake
     base = float(np.linalg.norm(front.points[wake] - front.points[wake + BASE_CELLS]))
-    height = np.linalg.norm(points[n // 2] - points[n // 2, 0], axis=1)
-    past = int(np.clip(np.searchsorted(height, _PAST_BASE * base), 2, len(height) - 2))
-    return past if (scaled_jacobians(points[:, : past + 1]) > FLAT).all() else 0
+    return layers_within(points, n // 2, _PAST_BASE * base, 2)
 
 
 def _outer_curve(given: GivenSection, section: Section, outer, shape: str, reach: float, end: np.ndarray) -> OuterCurve:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..folds import folded_cells
+from .lines_out import lengths_along
 
 WITHIN = 0.01
 """Error of a first height from which on its line is corrected."""
@@ -65,8 +66,7 @@ def with_first_heights(points: np.ndarray, heights: np.ndarray) -> np.ndarray:
 def _moved(points: np.ndarray, lacking: np.ndarray) -> np.ndarray:
     """Points at distances along their lines that are multiplied by exp(lacking) first, by 1 at last."""
     cells = points.shape[1] - 1
-    steps = np.linalg.norm(np.diff(points, axis=1), axis=-1)
-    length = np.concatenate([np.zeros((len(points), 1)), np.cumsum(steps, axis=1)], axis=1)
+    length = lengths_along(points)
     fade = np.clip(np.abs(lacking).max() / _FADE, min(_FEWEST, cells - 1), cells - 1)
     share = np.clip(1 - (np.arange(cells + 1) - 1) / fade, 0, 1)
     share[0] = 1.0

@@ -14,7 +14,7 @@ from ..marching.hyperbolic_march import Stop
 from ..marching.marching_ends import OnCurve
 from .h_lines import on_top, steps_up
 from .h_regions import Region
-from .section_march import Lines, heights_for_march, stop_told
+from .section_march import Lines, heights_for_march, layers_within, stop_told
 from .section_result import scaled_jacobians
 
 _PART = 0.25
@@ -67,10 +67,7 @@ def past_base(region: Region, points: np.ndarray) -> int:
     chord = region.front[region.tail, 0] - region.front[region.nose, 0]
     if not 0 < region.base < _THIN * chord or points.shape[1] < 5:
         return 0
-    middle = points[(region.first + region.last) // 2]
-    past = int(np.searchsorted(np.linalg.norm(middle - middle[0], axis=1), _PAST * region.base))
-    past = int(np.clip(past, 2, len(middle) - 3))
-    return past if (scaled_jacobians(points[:, : past + 1]) > FLAT).all() else 0
+    return layers_within(points, (region.first + region.last) // 2, _PAST * region.base, 3)
 
 
 def _marched(method: str, region: Region, points: np.ndarray, height: float, kept: int, progress: Progress) -> Lines:

@@ -49,7 +49,7 @@ def geometric_lines(
     n = len(heights)
     fine = np.concatenate([[0.0], np.geomspace(1e-3 * _smallest(line, heights), 1.0, _FINE)])
     t = np.broadcast_to(fine, (n, len(fine)))
-    length = _lengths(line(t))
+    length = lengths_along(line(t))
     check_heights(heights, length[:, -1])
     first = heights / length[:, -1]
     if layers is None:
@@ -64,7 +64,7 @@ def geometric_lines(
         ) from None
     t = _moved(t, length, fractions)
     for _ in range(_PASSES):  # lengths along the lines are those of the cells' own edges
-        length = _lengths(line(t))
+        length = lengths_along(line(t))
         if np.abs(np.diff(length / length[:, -1:]) / np.diff(fractions) - 1).max() < 1e-9:
             break
         t = _moved(t, length, fractions)
@@ -102,11 +102,12 @@ def _smallest(line: Callable[[np.ndarray], np.ndarray], heights: np.ndarray) -> 
     """The least parameter of a first height, roughly."""
     probe = np.full((len(heights), 2), 1e-6)
     probe[:, 0] = 0.0
-    speed = _lengths(line(probe))[:, -1] / 1e-6
+    speed = lengths_along(line(probe))[:, -1] / 1e-6
     return float(np.clip((heights / speed).min(), 1e-14, 0.1))
 
 
-def _lengths(points: np.ndarray) -> np.ndarray:
+def lengths_along(points: np.ndarray) -> np.ndarray:
+    """(n, m) float: lengths of lines (n, m, d) up to each of their points."""
     steps = np.linalg.norm(np.diff(points, axis=1), axis=-1)
     return np.concatenate([np.zeros((len(points), 1)), np.cumsum(steps, axis=1)], axis=1)
 

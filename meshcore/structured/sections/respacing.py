@@ -16,6 +16,7 @@ from scipy.interpolate import CubicSpline
 
 from ...errors import InvalidInput
 from ...sizing import geometric
+from .lines_out import lengths_along
 
 _PASSES, _GAIN = 12, 0.8
 """Corrections at most, as long as each leaves no more than this share of the error."""
@@ -51,7 +52,7 @@ def respaced(points: np.ndarray, heights: np.ndarray, judged: slice = slice(None
         return points
     line = _splines(points)
     start = np.broadcast_to(np.arange(1.0, layers + 1), (len(points), layers))
-    whole = _lengths(points)[:, -1]
+    whole = lengths_along(points)[:, -1]
     try:
         own = whole[:, None] * np.array([geometric(layers, first=share)[1:] for share in heights / whole])
         first, mean = heights[judged].mean(), whole[judged].mean()
@@ -59,7 +60,7 @@ def respaced(points: np.ndarray, heights: np.ndarray, judged: slice = slice(None
     except InvalidInput:
         return None
     t = _placed(line, start, lambda lengths: lengths[judged].mean(axis=0)[None], wanted[None])
-    common = _lengths(line(t))
+    common = lengths_along(line(t))[:, 1:]
     share = np.arange(1, layers + 1) / layers
     share = share**2 * (3 - 2 * share)
     blended = (1 - share) * own + share * common
@@ -83,7 +84,7 @@ def _placed(
     """
     best, found = np.inf, t
     for _ in range(_PASSES):
-        reached = measure(_lengths(line(t)))
+        reached = measure(lengths_along(line(t))[:, 1:])
         off = float(np.abs(reached / wanted - 1).max())
         if not off < _GAIN * best:
             break
@@ -117,8 +118,3 @@ def _splines(points: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
 
     start = points[:, :1]
     return lambda t: np.concatenate([start, line(t)], axis=1)
-
-
-def _lengths(points: np.ndarray) -> np.ndarray:
-    """(n, m - 1) float: lengths of lines (n, m, 2) up to all points but the first."""
-    return np.cumsum(np.linalg.norm(np.diff(points, axis=1), axis=-1), axis=1)

@@ -126,6 +126,13 @@ def _marched(points: np.ndarray, method: str, closed: bool, progress: Progress, 
     return Lines("elliptic", points, [*warnings, stopped], {})
 
 
+def layers_within(points: np.ndarray, line: int, reach: float, left: int) -> int:
+    """Layers of a transfinite grid up to a distance along one of its lines, ``left`` of which stay; 0 if unsound."""
+    height = np.linalg.norm(points[line] - points[line, 0], axis=1)
+    past = int(np.clip(np.searchsorted(height, reach), 2, len(height) - left))
+    return past if (scaled_jacobians(points[:, : past + 1]) > FLAT).all() else 0
+
+
 def heights_for_march(front: np.ndarray, steps: np.ndarray, closed: bool, ends: tuple[End, End]) -> np.ndarray:
     """(n, layers) heights that make the march's first layer as high as the first of those given.
 
