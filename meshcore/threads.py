@@ -91,6 +91,10 @@ class Workers:
         if self._pool is not None:
             self._pool.shutdown()
 
+    def parts(self, most: int) -> int:
+        """How many threads share work that is worth ``most``."""
+        return min(self._threads, most)
+
     def run(
         self,
         work: Callable[[int, int], object],
@@ -113,7 +117,7 @@ class Workers:
         grain : int
             Each part but the last is a multiple of it long.
         """
-        parts = min(self._threads, most)
+        parts = self.parts(most)
         if parts < 2:
             work(start, stop)
         else:

@@ -13,6 +13,7 @@ from ._layer_kernels import corner, held_vector
 
 U = np.uint64
 BLOCK = 256
+PRODUCT, HALF, SECOND, FULL = 0, 1, 2, 3  # phases of an iteration; rows of sums
 SHARP = 0.5  # least cosine between a normal and its corners' from which equations count in whole
 
 
@@ -86,10 +87,12 @@ def hyperbolic_terms(
 
 
 @kernel
-def begin(first, last, n, lost, flat, widening, mean, normal, strength, right, solution, rest, shadow, direction, sums):
-    """Put the right side together, divide it by the diagonal, and begin with no correction.
+def begin(
+    first, last, n, lost, ratio, flat, widening, mean, normal, strength, right, solution, rest, shadow, direction, sums
+):
+    """Put the right side together, divide it by the diagonal, and begin with ``ratio`` times the last corrections.
 
-    The heights lost are ``lost`` times what a node's area widens more than the mean.
+    The heights lost are ``lost`` times what a node's area widens more than the mean. Sums as of `full_step`.
     """
     for block in range(first, last):
         largest, square = 0.0, 0.0
@@ -98,11 +101,25 @@ def begin(first, last, n, lost, flat, widening, mean, normal, strength, right, s
             scale = 1.0 / (1.0 + strength[U(i)])
             for axis in range(3):
                 value = scale * (right[U(i), axis] - less * normal[U(i), axis])
-                solution[U(i), axis] = 0.0
+                solution[U(i), axis] = ratio * solution[U(i), axis] if ratio > 0 else 0.0
                 rest[U(i), axis] = shadow[U(i), axis] = direction[U(i), axis] = value
                 square += value * value
                 largest = max(largest, abs(value))
-        sums[0, U(block)], sums[3, U(block)] = square, largest
+        sums[0, U(block)], sums[1, U(block)] = square, largest
+
+
+@kernel
+def begin_near(first, last, n, image, rest, shadow, direction, sums):
+    """Take what the first corrections solve, their `product`, off the rest."""
+    for block in range(first, last):
+        largest, square = 0.0, 0.0
+        for i in range(block * BLOCK, min(n, (block + 1) * BLOCK)):
+            for axis in range(3):
+                value = rest[U(i), axis] - image[U(i), axis]
+                rest[U(i), axis] = shadow[U(i), axis] = direction[U(i), axis] = value
+                square += value * value
+                largest = max(largest, abs(value))
+        sums[0, U(block)], sums[1, U(block)] = square, largest
 
 
 @kernel
@@ -155,7 +172,7 @@ def half_step(first, last, n, alpha, image, shadow, rest, sums):
                 rest[U(i), axis] = value
                 total += shadow[U(i), axis] * value
                 largest = max(largest, abs(value))
-        sums[0, U(block)], sums[3, U(block)] = total, largest
+        sums[0, U(block)], sums[1, U(block)] = total, largest
 
 
 @kernel
@@ -171,4 +188,72 @@ def full_step(first, last, n, alpha, omega, beta, image, second, direction, rest
                 rest[U(i), axis] = value
                 direction[U(i), axis] = value + beta * (p - omega * image[U(i), axis])
                 largest = max(largest, abs(value))
-        sums[3, U(block)] = largest
+        sums[1, U(block)] = largest
+
+
+@kernel
+def total_of(values):
+    """Their sum."""
+    total = 0.0
+    for value in values:
+        total += value
+    return total
+
+
+@kernel
+def largest_of(values):
+    """The largest of them."""
+    largest = values[0]
+    for value in values:
+        largest = max(largest, value)
+    return largest
+
+
+@kernel
+def iterate(
+    first, last, n, phase, until, enough, volume, start, ring, held, projectors, normal, across, own, flat, now,
+    strength, shadow, direction, rest, image, second, solution, lengths, sums,
+):  # fmt: skip
+    """Phases of BiCGStab from ``phase`` on, on blocks ``first`` to ``last``; returns the phase at which it is solved.
+
+    An iteration has four, each of which needs the one before on all blocks: whoever has all of them can do all phases
+    at one go. Everyone adds up the blocks' sums, so that the step lengths are the same for all.
+
+    Parameters
+    ----------
+    enough : float
+        Rest that need not be solved.
+    lengths : (iterations + 1, 2) float
+        shadow . rest at the begin of each iteration, the first of which is given, and its alpha.
+    sums : (4, 3, blocks) float
+        Of the last product, half step, second product and full step.
+    """
+    for k in range(phase, until):
+        m, what = k // 4, k % 4
+        if what == PRODUCT:
+            if not largest_of(sums[FULL, 1]) > enough:
+                return k
+            product(
+                first, last, n, volume, start, ring, held, projectors, normal, across, own, flat, now, strength,
+                shadow, direction, image, sums[PRODUCT],
+            )  # fmt: skip
+        elif what == HALF:
+            along = total_of(sums[PRODUCT, 0])
+            alpha = lengths[m, 0] / along if along != 0 else 0.0
+            lengths[m, 1] = alpha
+            half_step(first, last, n, alpha, image, shadow, rest, sums[HALF])
+        elif what == SECOND:
+            if largest_of(sums[HALF, 1]) > enough:
+                product(
+                    first, last, n, volume, start, ring, held, projectors, normal, across, own, flat, now, strength,
+                    shadow, rest, second, sums[SECOND],
+                )  # fmt: skip
+        else:
+            rho, alpha, omega, beta = lengths[m, 0], lengths[m, 1], 0.0, 0.0
+            if largest_of(sums[HALF, 1]) > enough:
+                square = total_of(sums[SECOND, 2])
+                omega = total_of(sums[SECOND, 1]) / square if square != 0 else 0.0
+                lengths[m + 1, 0] = total_of(sums[HALF, 0]) - omega * total_of(sums[SECOND, 0])
+                beta = lengths[m + 1, 0] / rho * alpha / omega if rho != 0 and omega != 0 else 0.0
+            full_step(first, last, n, alpha, omega, beta, image, second, direction, rest, solution, sums[FULL])
+    return until

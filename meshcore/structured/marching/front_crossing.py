@@ -77,8 +77,9 @@ def _edges(faces: np.ndarray) -> np.ndarray:
     triangle = faces[:, 3] < 0
     after[triangle, 2] = faces[triangle, 0]
     ends = np.stack([faces, after], axis=-1)[faces >= 0]
-    ends = ends[(ends >= 0).all(axis=1)]
-    return np.unique(np.sort(ends, axis=1), axis=0)
+    low, high = ends[(ends >= 0).all(axis=1)].T
+    size = int(faces.max()) + 1
+    return np.column_stack(divmod(np.unique(np.minimum(low, high) * size + np.maximum(low, high)), size))
 
 
 def _crossing(points: np.ndarray, column: np.ndarray, triangles: np.ndarray, edges: np.ndarray) -> int:

@@ -16,6 +16,8 @@ ITERATIONS = 40
 """Of a step's equations at most, two products each."""
 ENOUGH = 1e-3
 """Rest of a step's equations, divided by their diagonal, in units of its height."""
+FEW = 2
+"""Products of a step from whose corrections the next step gains nothing."""
 NODES_A_THREAD = 2048
 
 
@@ -33,7 +35,8 @@ class LayerEquations:
     meet: 44 of 60 layers off an edge of 60 degrees with 16 cells a side, instead of all.
 
     With dissipation, whose eigenvalues are real, none of the matrix is near zero, and BiCGStab (H. A. van der Vorst,
-    SIAM J. Sci. Stat. Comput. 13, 1992) takes one product a step off convex fronts, some 25 off concave ones.
+    SIAM J. Sci. Stat. Comput. 13, 1992) takes one product a step off convex fronts, some ten off concave ones, where
+    it begins with the corrections of the last step: they change little from step to step, in units of their heights.
 
     Attributes
     ----------
@@ -51,12 +54,15 @@ class LayerEquations:
     def __post_init__(self) -> None:
         n, k = len(self.graph.points), len(self.graph.ring)
         self._marching = self.hold.marching
+        self._most = max(1, self._marching // NODES_A_THREAD)
         self.right, self.solution = np.zeros((n, 3)), np.zeros((n, 3))
         self.across, self.own = np.zeros((k, 3)), np.zeros((n, 3))
         self.flat, self.widening, self.mean = np.zeros(n), np.zeros(n), np.zeros(n)
         self._rest, self._shadow, self._direction, self._image, self._second = (np.zeros((n, 3)) for _ in range(5))
         self._blocks = -(-self._marching // kernels.BLOCK)
-        self._sums = np.zeros((4, self._blocks))
+        self._sums = np.zeros((4, 3, self._blocks))
+        self._lengths = np.zeros((ITERATIONS + 1, 2))
+        self._worth = 0.0  # height of the last step, if its corrections are worth to begin with
         self._share = _corner_areas(self.graph)
         self._part = np.zeros(n, np.int64)
         for corner in self.graph.faces.T:
@@ -84,47 +90,46 @@ class LayerEquations:
                 first, last, height, front, normal, graph.start, graph.ring, graph.opened, *held, hold.free,
                 self.across, self.own, self.flat, self.widening, self.right,
             ),
-            0, n, most=max(1, n // NODES_A_THREAD),
+            0, n, most=self._most,
         )  # fmt: skip
         self._find_means()
+        ratio = height / self._worth if self._worth else 0.0
         self._run(
-            kernels.begin, self.volume_smoothing * height, self.flat, self.widening, self.mean, normal, strength,
-            self.right, self.solution, self._rest, self._shadow, self._direction, self._sums,
+            kernels.begin, self.volume_smoothing * height, ratio, self.flat, self.widening, self.mean, normal, strength,
+            self.right, self.solution, self._rest, self._shadow, self._direction, self._sums[kernels.FULL],
         )  # fmt: skip
         terms = (
             self.volume_smoothing, graph.start, graph.ring, *held, normal, self.across, self.own, self.flat, now,
             strength, self._shadow,
         )  # fmt: skip
-        return self._iterate(terms, ENOUGH * height, height)
+        products = self._begin_near(terms) if ratio else 0
+        products += self._iterate(terms, ENOUGH * height)
+        rest = float(self._sums[kernels.FULL, 1].max() / height)
+        self._worth = height if products > FEW and rest <= ENOUGH else 0.0
+        return rest, products
 
-    def _iterate(self, terms: tuple, enough: float, height: float) -> tuple[float, int]:
-        sums, rest = self._sums, self._rest
-        projected, largest, products = sums[0].sum(), sums[3].max(), 0
-        for _ in range(ITERATIONS):
-            if not largest > enough:
-                break
-            self.hold.images.set_vectors(self._direction)
-            self._run(kernels.product, *terms, self._direction, self._image, sums)
-            products += 1
-            along = sums[0].sum()
-            alpha = projected / along if along else 0.0
-            self._run(kernels.half_step, alpha, self._image, self._shadow, rest, sums)
-            halfway, largest = sums[0].sum(), sums[3].max()
-            omega = beta = 0.0
-            if largest > enough:
-                self.hold.images.set_vectors(rest)
-                self._run(kernels.product, *terms, rest, self._second, sums)
-                products += 1
-                shadowed, mixed, square = sums[0].sum(), sums[1].sum(), sums[2].sum()
-                omega = mixed / square if square else 0.0
-                before, projected = projected, halfway - omega * shadowed
-                beta = projected / before * alpha / omega if before and omega else 0.0
-            self._run(
-                kernels.full_step, alpha, omega, beta, self._image, self._second, self._direction, rest,
-                self.solution, sums,
-            )  # fmt: skip
-            largest = sums[3].max()
-        return float(largest / height), products
+    def _begin_near(self, terms: tuple) -> int:
+        """Take what the corrections to begin with solve off the rest; returns the products that were done."""
+        sums = self._sums[kernels.FULL]
+        self.hold.images.set_vectors(self.solution)
+        self._run(kernels.product, *terms, self.solution, self._image, sums)
+        self._run(kernels.begin_near, self._image, self._rest, self._shadow, self._direction, sums)
+        return 1
+
+    def _iterate(self, terms: tuple, enough: float) -> int:
+        """Solve the equations; returns the products that were done."""
+        sums, images = self._sums, self.hold.images
+        self._lengths[0, 0] = sums[kernels.FULL, 0].sum()
+        vectors = (self._direction, self._rest, self._image, self._second, self.solution, self._lengths, sums)
+        alone = self.workers.parts(self._most) < 2 and not len(images.nodes)
+        phase, stride, last = 0, 4 * ITERATIONS if alone else 1, 4 * ITERATIONS
+        while phase < last:
+            if phase % 4 in (kernels.PRODUCT, kernels.SECOND):
+                images.set_vectors(self._direction if phase % 4 == kernels.PRODUCT else self._rest)
+            reached = self._run(kernels.iterate, phase, phase + stride, enough, *terms, *vectors)
+            last = reached if reached < phase + stride else last
+            phase = reached
+        return phase // 2 - int(phase > 0 and not sums[kernels.HALF, 1].max() > enough)
 
     def _find_means(self) -> None:
         """The mean widening of each connected part, by areas that nodes see, so that half a body is like the whole."""
@@ -132,12 +137,16 @@ class LayerEquations:
         area = np.bincount(self._part, weights=self._share)
         self.mean[:] = (total / np.maximum(area, np.finfo(float).tiny))[self._part]
 
-    def _run(self, kernel: Callable[..., None], *arguments: object) -> None:
-        """Call a kernel on all blocks, shared by threads."""
-        n = self._marching
+    def _run(self, kernel: Callable[..., int | None], *arguments: object) -> int | None:
+        """Call a kernel on all blocks, shared by threads; returns what it returns, the same for all of them."""
+        n, returned = self._marching, []
         self.workers.run(
-            lambda first, last: kernel(first, last, n, *arguments), 0, self._blocks, most=max(1, n // NODES_A_THREAD)
+            lambda first, last: returned.append(kernel(first, last, n, *arguments)),
+            0,
+            self._blocks,
+            most=self._most,
         )
+        return returned[0]
 
 
 def _corner_areas(graph: FrontGraph) -> np.ndarray:
