@@ -51,23 +51,35 @@ def _rows(text: str) -> tuple[str, list[tuple[int, float, float]]]:
     """The title, and the coordinates with their line numbers; a counts line is checked and left out."""
     titles: list[str] = []
     rows: list[tuple[int, float, float]] = []
-    for k, line in enumerate(text.split("\n"), 1):
-        bare = _COMMENT.sub("", line).strip(" \t,;")
-        words = _SEPARATOR.split(bare) if bare else []
-        values = [number(word) for word in words]
-        if len(words) >= 2 and values[0] is not None and values[1] is not None:
-            if len(words) > 2 and values[2] not in (None, 0.0):
-                if not rows and len(words) == 4:  # MSES names the extent of its grid below the title
+    for k, line in enumerate(_without_remarks(text.split("\n")), 1):
+        bare, values = _values(line)
+        if len(values) >= 2 and values[0] is not None and values[1] is not None:
+            if len(values) > 2 and values[2] not in (None, 0.0):
+                if not rows and len(values) == 4:  # MSES names the extent of its grid below the title
                     continue
-                raise InvalidInput(f"line {k}: {bare!r} has {len(words)} numbers, x and y were expected")
+                raise InvalidInput(f"line {k}: {bare!r} has {len(values)} numbers, x and y were expected")
             rows.append((k, values[0], values[1]))
-        elif rows and words and values[0] is not None:
+        elif rows and values and values[0] is not None:
             raise InvalidInput(f"line {k}: {bare!r} is half a line, x and y were expected")
         elif not rows and line.strip():
             titles.append(line.strip().lstrip("#!%;/ "))
     if not rows:
         raise InvalidInput("it holds no lines of two numbers, x and y")
     return next((t for t in titles if t), ""), _without_counts(rows, has_title=bool(titles))
+
+
+def _values(line: str) -> tuple[str, list[float | None]]:
+    """A line without what is marked as a comment, and the numbers in it; None for other words."""
+    bare = _COMMENT.sub("", line).strip(" \t,;")
+    return bare, [number(word) for word in _SEPARATOR.split(bare)] if bare else []
+
+
+def _without_remarks(lines: list[str]) -> list[str]:
+    """The lines up to prose that stands, by itself, below the last coordinates: numbers in it are none of these."""
+    values = [_values(line)[1] for line in lines]
+    last = max((k for k, row in enumerate(values) if len(row) >= 2 and None not in row), default=len(lines))
+    end = next((k for k in range(last + 1, len(lines)) if not values[k] or values[k][0] is None), len(lines))
+    return lines[:end] if any(None in row for row in values[end:]) else lines
 
 
 def _without_counts(rows: list[tuple[int, float, float]], *, has_title: bool) -> list[tuple[int, float, float]]:

@@ -169,3 +169,21 @@ def test_grid_line_of_mses(tmp_path: Path) -> None:
     rows = [f"{x!r} {y!r}" for x, y in expected_loop(upper, lower).tolist()]
     (tmp_path / "wing.dat").write_text("\n".join(["wing", "-2.0 3.0 -2.5 3.0", *rows]))
     assert mc.io.read(tmp_path / "wing.dat").n_points == len(rows)
+
+
+@pytest.mark.parametrize(
+    "prose",
+    ["", "Drawn by N. N.,\n30% of it laminar, 0.5%c thin behind.", "It flies from 60,000 up to\n400,000 and more."],
+)
+def test_remarks_below_the_coordinates_are_none_of_them(tmp_path: Path, prose: str) -> None:
+    rows = [f"{x!r} {y!r}" for x, y in expected_loop(*section()).tolist()]
+    (tmp_path / "wing.dat").write_text("\n".join(["wing", *rows, "", prose]))
+    assert mc.io.read(tmp_path / "wing.dat").n_points == len(rows)
+
+
+@pytest.mark.parametrize("end", ["0.5", "\n0.5", "\nlower side\n0.5\n0.7 -0.1\n1 0", "0.5 below"])
+def test_half_lines_beside_coordinates_are_refused(tmp_path: Path, end: str) -> None:
+    rows = [f"{x!r} {y!r}" for x, y in expected_loop(*section()).tolist()]
+    (tmp_path / "wing.dat").write_text("\n".join(["wing", *rows, end]))
+    with pytest.raises(mc.InvalidInput, match="is half a line"):
+        mc.io.read(tmp_path / "wing.dat")
