@@ -101,9 +101,9 @@ def _closed(curve: Curve) -> tuple[np.ndarray, np.ndarray, list[str]]:
     """Points of the curve, the last repeating the first, numbers of all but the last, and what was done."""
     points, number = numbered_polyline(curve, "section")
     check_extent(points, parameter="section")
-    if is_closed(points):
-        return points, number[:-1], []
     extent = float(np.ptp(points, axis=0).max())
+    if is_closed(points) or (np.abs(points[-1] - points[0]) <= _SAME * extent).all():
+        return points, number[:-1], []
     gap = float(np.linalg.norm(points[-1] - points[0]))
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     if len(points) < 4 or gap > _GAP * extent or (gap > 0.99 * float(np.median(steps)) and _is_round(points)):

@@ -161,6 +161,10 @@ def test_what_is_cleaned_is_told():
     assert "open by 0.00252" in report.warnings[0]
     _, report = mc.o_grid(loop[::-1])
     assert report.warnings == ["the section runs clockwise; it was turned"]
+    almost = polyline(gallery.circle(12))
+    almost[-1] += 1e-15  # as formulas close it
+    grid, report = mc.o_grid(almost, radius=3)
+    assert report.warnings == [] and grid.cell_shape[0] == 12
 
 
 def test_a_crossing_says_where():
