@@ -23,11 +23,13 @@ def show(context: Any, label: str, source: str, result: Any) -> tuple[Any, list[
     """
     from meshcore import Mesh, MultiBlock, StructuredGrid, quality
 
-    from . import convert
+    from . import convert, volume
 
-    mesh, faces = result.mesh, {}
+    mesh, sides = result.mesh, {}
     if isinstance(mesh, (StructuredGrid, MultiBlock)):
-        mesh, faces = _with_named_faces(mesh)
+        mesh, sides = _with_named_faces(mesh)
+    elif isinstance(mesh, Mesh):
+        sides = volume.sides(mesh)
     parent = bpy.data.objects.get(source)
     origin = np.array(parent.matrix_world.translation) if parent else np.zeros(3)
     report = result.report
@@ -40,8 +42,8 @@ def show(context: Any, label: str, source: str, result: Any) -> tuple[Any, list[
     _keep_report(data, report)
     ob = bpy.data.objects.new(name, data)
     ob.location = origin
-    for face, vertices in faces.items():
-        ob.vertex_groups.new(name=face).add(vertices, 1.0, "REPLACE")
+    for side, vertices in sides.items():
+        ob.vertex_groups.new(name=side).add(vertices, 1.0, "REPLACE")
     _home(context, parent).objects.link(ob)
     _make_active(context, ob)
     if marked := _select_stopped(data):

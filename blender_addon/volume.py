@@ -2,7 +2,8 @@
 """Volume cells in Blender, which knows faces only: kept beside a mesh that shows their surface, or a cut.
 
 All points are vertices of the Blender mesh. The cells are ID properties of it, int32 arrays by kind, so they are saved
-with the file; the faces shown tell by their attribute "cell" which cell they belong to.
+with the file, as are sets of cells; the faces shown tell by their attribute "cell" which cell they belong to. Named
+sides, which are sets of faces, are vertex groups too.
 """
 
 from __future__ import annotations
@@ -16,7 +17,9 @@ if TYPE_CHECKING:
     from meshcore import Mesh
 
 CELLS, CELL_DATA, POINTS = "meshcore_cells", "meshcore_cell_data", "meshcore_points"
+SETS = "meshcore_sets"
 OWNER = "cell"
+FACES = ("triangle", "quad", "triangle6", "quad8", "quad9")
 
 
 def store(data: Any, mesh: Mesh) -> list[str]:
@@ -27,6 +30,7 @@ def store(data: Any, mesh: Mesh) -> list[str]:
     data[CELLS] = {kind: nodes.astype(np.int32).ravel() for kind, nodes in mesh.cells.items() if len(nodes)}
     numbers = {name: _storable(values) for name, values in mesh.cell_data.items() if values.dtype.kind in "iufb"}
     data[CELL_DATA] = {name[:63]: values.ravel() for name, values in numbers.items()}
+    data[SETS] = {name[:63]: members.astype(np.int32) for name, members in mesh.sets.items() if len(members)}
     show(data, mesh, np.ones(mesh.n_cells, bool))
     lost = [f"cell data {name!r} are no numbers and are left out" for name in mesh.cell_data if name not in numbers]
     return lost + convert.add_data(data, "POINT", mesh.point_data)
@@ -65,7 +69,33 @@ def stored(data: Any) -> Mesh | None:
     n = sum(map(len, cells.values()))
     cell_data = {name: _shaped(np.array(flat), n) for name, flat in data[CELL_DATA].items()}
     points = convert.array(data.vertices, "co", np.float32, 3).astype(float)
-    return Mesh(points, cells, point_data=convert.attributes(data, "POINT"), cell_data=cell_data)
+    sets = {name: np.array(members) for name, members in data[SETS].items()} if SETS in data else {}
+    return Mesh(points, cells, point_data=convert.attributes(data, "POINT"), cell_data=cell_data, sets=sets)
+
+
+def sides(mesh: Mesh) -> dict[str, list[int]]:
+    """The vertices of each set that has none but faces of a volume mesh, by name; none of other meshes."""
+    if mesh.dimension < 3:
+        return {}
+    found = {}
+    for name, members in mesh.sets.items():
+        nodes, count = [np.empty(0, np.int64)], 0
+        for kind, cells, where in mesh.blocks():
+            if kind in FACES:
+                some = members[(members >= where.start) & (members < where.stop)] - where.start
+                nodes.append(cells[some].ravel())
+                count += len(some)
+        if count == len(members) > 0:
+            found[name] = np.unique(np.concatenate(nodes)).tolist()
+    return found
+
+
+def is_solid(mesh: Mesh) -> np.ndarray:
+    """(number of cells,) bool: which cells are volumes."""
+    solid = np.zeros(mesh.n_cells, bool)
+    for kind, _, where in mesh.blocks():
+        solid[where] = kind not in ("vertex", "line", *FACES)
+    return solid
 
 
 def _shaped(flat: np.ndarray, n: int) -> np.ndarray:
@@ -76,10 +106,7 @@ def show(data: Any, mesh: Mesh, keep: np.ndarray) -> None:
     """Make the faces of a Blender mesh the surface of some of its cells, each face's owner in "cell"."""
     from . import convert
 
-    solid = np.zeros(mesh.n_cells, bool)
-    for kind, _, where in mesh.blocks():
-        solid[where] = kind not in ("vertex", "line", "triangle", "quad")
-    number = np.flatnonzero(keep & solid)
+    number = np.flatnonzero(keep & is_solid(mesh))
     nodes, owner = _surface(mesh, number)
     _clear_faces(data, mesh)
     convert.add_faces(data, [nodes[k] for k in nodes])
@@ -106,6 +133,24 @@ def _clear_faces(data: Any, mesh: Mesh) -> None:
     data.clear_geometry()
     convert.add_points(data, points)
     convert.add_data(data, "POINT", mesh.point_data)
+
+
+def _groups(ob: Any) -> dict[str, dict[float, list[int]]]:
+    """For each vertex group its vertices by their weight."""
+    groups: dict[str, dict[float, list[int]]] = {group.name: {} for group in ob.vertex_groups}
+    by_index = list(groups.values())
+    for k, vertex in enumerate(ob.data.vertices if groups else ()):
+        for one in vertex.groups:
+            by_index[one.group].setdefault(one.weight, []).append(k)
+    return groups
+
+
+def _restore_groups(ob: Any, groups: dict[str, dict[float, list[int]]]) -> None:
+    """Give an object its vertex groups back, which it loses with its geometry."""
+    for name, weights in groups.items():
+        group = ob.vertex_groups.get(name) or ob.vertex_groups.new(name=name)
+        for weight, vertices in weights.items():
+            group.add(vertices, weight, "REPLACE")
 
 
 class MESHCORE_OT_cut_view(bpy.types.Operator):
@@ -150,9 +195,11 @@ class MESHCORE_OT_cut_view(bpy.types.Operator):
         axis = "XYZ".index(self.axis)
         low, high = mesh.bounds[:, axis]
         below = mesh.centroids[:, axis] <= low + self.position * (high - low)
-        keep = ~below if self.other_side else below
+        keep, solid = ~below if self.other_side else below, is_solid(mesh)
+        groups = _groups(context.active_object)
         show(data, mesh, keep)
-        self.report({"INFO"}, f"{int(keep.sum()):,} of {mesh.n_cells:,} cells shown")
+        _restore_groups(context.active_object, groups)
+        self.report({"INFO"}, f"{int((keep & solid).sum()):,} of {int(solid.sum()):,} cells shown")
         return {"FINISHED"}
 
 

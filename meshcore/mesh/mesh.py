@@ -78,7 +78,11 @@ class Mesh:
 
     @classmethod
     def unchecked(
-        cls, points: np.ndarray, cells: dict[str, np.ndarray], cell_data: dict[str, np.ndarray] | None = None
+        cls,
+        points: np.ndarray,
+        cells: dict[str, np.ndarray],
+        cell_data: dict[str, np.ndarray] | None = None,
+        sets: dict[str, np.ndarray] | None = None,
     ) -> Mesh:
         """A mesh of arrays that are known to be as the constructor would make them; for generators' own results.
 
@@ -88,7 +92,7 @@ class Mesh:
         Mesh(3 points, 1 triangle)
         """
         mesh = object.__new__(cls)
-        data = {"point_data": {}, "cell_data": cell_data or {}, "sets": {}, "field_data": {}}
+        data = {"point_data": {}, "cell_data": cell_data or {}, "sets": sets or {}, "field_data": {}}
         vars(mesh).update(points=points, cells=cells, **data)
         return mesh
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..errors import InvalidInput
 from ..io import to_pyvista
-from ..mesh import Mesh, MultiBlock, PolyhedralMesh, StructuredGrid
+from ..mesh import CELL_TYPES, Mesh, MultiBlock, PolyhedralMesh, StructuredGrid
 from ..quality import measure, measures
 from .plotter import EDGE, SUPERSAMPLING, plotter_of, save
 
@@ -185,8 +185,8 @@ def _line_width(parts: list[Mesh], window: tuple[int, int], box: np.ndarray | No
 def _add(plotter: Any, part: Mesh | PolyhedralMesh, colour: str, width: float, values: np.ndarray | None) -> Any:
     """Add curves as lines, of volumes the far half, and faces with edges ``width`` pixels wide; return the actor."""
     part = replace(part, point_data={}, cell_data={}, field_data={})
-    if isinstance(part, Mesh) and part.dimension == 2 and part.cells.get("line") is not None:
-        part, values = _without_lines(part, values)
+    if isinstance(part, Mesh) and part.dimension > 1:
+        part, values = _without_sides(part, values)
     if isinstance(part, PolyhedralMesh) and part.dimension == 3:
         part, values = _opened(part, values)
     data = to_pyvista(part)
@@ -214,13 +214,14 @@ def _add(plotter: Any, part: Mesh | PolyhedralMesh, colour: str, width: float, v
     )
 
 
-def _without_lines(part: Mesh, values: np.ndarray | None) -> tuple[Mesh, np.ndarray | None]:
-    """The faces of a mesh that has lines too, and their values."""
-    is_face = np.concatenate(
-        [np.full(len(cells), kind not in ("line", "vertex")) for kind, cells in part.cells.items()]
-    )
-    faces = Mesh(part.points, {kind: cells for kind, cells in part.cells.items() if kind not in ("line", "vertex")})
-    return faces, values[is_face] if values is not None and len(values) == part.n_cells else values
+def _without_sides(part: Mesh, values: np.ndarray | None) -> tuple[Mesh, np.ndarray | None]:
+    """The cells of highest dimension of a mesh that may have its lines or sides as cells too, and their values."""
+    highest = {kind: CELL_TYPES[kind].dimension == part.dimension for kind in part.cells}
+    inner = np.concatenate([np.full(len(cells), highest[kind]) for kind, cells in part.cells.items()])
+    if inner.all():
+        return part, values
+    cells = {kind: cells for kind, cells in part.cells.items() if highest[kind]}
+    return Mesh(part.points, cells), values[inner] if values is not None and len(values) == part.n_cells else values
 
 
 def _opened(part: PolyhedralMesh, values: np.ndarray | None) -> tuple[PolyhedralMesh, np.ndarray | None]:

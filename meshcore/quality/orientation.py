@@ -23,7 +23,8 @@ def positive(mesh: Mesh, plane: np.ndarray | None) -> np.ndarray:
         Curved kinds are judged by their corner nodes.
     plane : (n, 2) float or None
         The points in the coordinates of their plane, if they lie in one: then cells of dimension 2 must be
-        counter-clockwise, quads convex too. Without it, cells of dimension 2 must have an area and no fold.
+        counter-clockwise, quads convex too. Without it, cells of dimension 2 must have an area and no fold; but those
+        beside volume cells are sides of these, which may be more bent than a surface may, and are not judged.
 
     Examples
     --------
@@ -32,12 +33,13 @@ def positive(mesh: Mesh, plane: np.ndarray | None) -> np.ndarray:
     array([ True, False, False])
     """
     good = np.ones(mesh.n_cells, bool)
+    solid_mesh = mesh.dimension == 3
     for kind, cells, where in mesh.blocks():
         corners = CELL_TYPES[kind].linear or kind
         cells = cells[:, : CELL_TYPES[corners].nodes]
         if corners == "line":
             good[where] = (mesh.points[cells[:, 0]] != mesh.points[cells[:, 1]]).any(axis=1)
-        elif corners in ("triangle", "quad"):
+        elif corners in ("triangle", "quad") and not solid_mesh:
             good[where] = _on_surface(mesh.points, cells) if plane is None else _in_plane(plane, cells)
         elif corners == "tetra":
             good[where] = determinant_sign(mesh.points, cells) > 0

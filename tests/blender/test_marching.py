@@ -53,6 +53,44 @@ def test_layers_on_a_surface_with_modifiers_and_scale(core):
     assert 1.5 < x < 2 and 3 < y < 4 and 0.75 < z < 1.2
 
 
+def grouped(ob):
+    """Vertices by vertex group."""
+    names = {group.index: group.name for group in ob.vertex_groups}
+    found = {name: set() for name in names.values()}
+    for vertex in ob.data.vertices:
+        for one in vertex.groups:
+            found[names[one.group]].add(vertex.index)
+    return found
+
+
+def test_sides_of_layers_on_a_mesh_are_vertex_groups_also_after_a_cut(core):
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=12, ring_count=8)
+    body = scene.active()
+    body.data.attributes.new("set:nose", "BOOLEAN", "FACE").data.foreach_set(
+        "value", [f.center.z > 0.5 for f in body.data.polygons]
+    )
+    bpy.ops.meshcore.hyperbolic_volume(first_height=0.01, layers=3)
+    ob = scene.active()
+    n = len(body.data.vertices)
+    groups = grouped(ob)
+    assert set(groups) == {"wall", "outer", "nose"}
+    height = scene.world_points(ob)[:, 2]
+    assert groups["wall"] | groups["nose"] == set(range(n)) and groups["outer"] == set(range(3 * n, 4 * n))
+    assert min(height[list(groups["nose"])]) > 0 > min(height[list(groups["wall"])])
+    bpy.ops.meshcore.cut_view(axis="X", position=0.5)
+    assert grouped(ob) == groups
+
+
+def test_layers_of_layers_know_their_sides(core):
+    from bl_ext.user_default.meshcore import volume
+
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=4, y_subdivisions=4)
+    bpy.ops.meshcore.hyperbolic_volume(first_height=0.01, layers=3)
+    kept = volume.stored(scene.active().data)
+    counts = {name: len(members) for name, members in kept.sets.items()}
+    assert counts == {"wall": 16, "outer": 16, "xmin": 12, "xmax": 12, "ymin": 12, "ymax": 12}
+
+
 def test_a_loop_of_a_surface_and_a_curve_get_grids(core):
     bpy.ops.mesh.primitive_cylinder_add(vertices=24)
     data = scene.active().data

@@ -44,7 +44,7 @@ NUMBERS = {
     "grid_quality": None,
     "laplace_round_a_cylinder": 4 * 4 * 40 * 40,
     "layers_at_edges": 12 * 16 * (20 + 24),
-    "layers_on_surfaces": 88000,
+    "layers_on_surfaces": 97992,
     "moving_grid": 48 * 48,
     "passage_between_six_faces": 24 * 20 * 20,
     "patch_on_a_scan": 48 * 40,

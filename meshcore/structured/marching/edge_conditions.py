@@ -14,6 +14,7 @@ from .edge_guides import Guide
 from .edge_sides import CUT, FLAT, Side, chosen, sides_of
 from .front_edges import Condition, Hold, free_edges, hold_of
 from .front_graph import FrontGraph, at
+from .layer_sides import name_of_side
 from .layer_surface import LayerSurface
 from .periodic_edges import EdgePair, extended, pairs_of
 
@@ -50,6 +51,8 @@ class FrontEdges(NamedTuple):
     conditions : list of Condition
     pairs : list of EdgePair
         Of periodic sides.
+    called : list of str
+        The name of each side in the layers.
     warnings : list of str
     """
 
@@ -59,6 +62,7 @@ class FrontEdges(NamedTuple):
     sides: list[Side]
     conditions: list[Condition]
     pairs: list[EdgePair]
+    called: list[str]
     warnings: list[str]
 
     def of_surface(self, layers: np.ndarray, node: int) -> tuple[np.ndarray, int]:
@@ -106,7 +110,7 @@ def front_edges(
         if choice not in ("automatic", "free") or given:
             what = ("edges", choice) if not given else ("each_edge", each)
             raise InvalidInput(f"is {what[1]!r}, but the surface is closed and has no edges", parameter=what[0])
-        return FrontEdges(graph, free_edges(graph), np.arange(len(graph.points)), [], [], [], [])
+        return FrontEdges(graph, free_edges(graph), np.arange(len(graph.points)), [], [], [], [], [])
     sides = sides_of(graph, ready.source, ready.number)
     asked = _asked(ready, sides, given, Asked(choice, splay))
     rails = None if guide is None else Guide(guide, float(np.linalg.norm(np.ptp(graph.points, axis=0))))
@@ -120,7 +124,9 @@ def front_edges(
     hold = hold_of(front.graph, moved, conditions, guide=rails, images=front.images, axes=front.axes)
     _refuse_stuck(front.graph, hold)
     told = _told(graph, sides, asked, conditions)
-    return FrontEdges(front.graph, hold, front.place, sides, conditions, pairs, told)
+    spoken = _spoken(ready, sides, [name for name, _ in given])
+    called = [name_of_side(side, pairs, name) for side, name in zip(sides, spoken, strict=True)]
+    return FrontEdges(front.graph, hold, front.place, sides, conditions, pairs, called, told)
 
 
 def parsed(text: str, splay: float = 0.0) -> list[tuple[str, Asked]]:
@@ -175,6 +181,15 @@ def _asked(ready: LayerSurface, sides: list[Side], given: list[tuple[str, Asked]
         Asked("periodic", 0.0) if a.choice == "automatic" and CUT in side.names else a
         for side, a in zip(sides, found, strict=True)
     ]
+
+
+def _spoken(ready: LayerSurface, sides: list[Side], names: list[str]) -> list[str]:
+    """The first name by which each side was spoken of; empty if by none."""
+    found = [""] * len(sides)
+    for name in names:
+        for k in chosen(sides, name, ready.source, ready.number, ready.graph.points):
+            found[k] = found[k] or name
+    return found
 
 
 def _condition(ready: LayerSurface, normals: np.ndarray, side: Side, asked: Asked, guide: Guide | None) -> Condition:

@@ -32,11 +32,14 @@ class Side(NamedTuple):
         What users may call it.
     closed : bool
         Whether it is a loop.
+    own : str
+        The name, or the tag, that the surface itself gives it; empty if it gives none.
     """
 
     nodes: np.ndarray
     names: frozenset[str] = frozenset()
     closed: bool = False
+    own: str = ""
 
     def told(self, points: np.ndarray) -> str:
         """A place on it, as text."""
@@ -58,9 +61,10 @@ def sides_of(graph: FrontGraph, surface: Surface | None = None, number: np.ndarr
     place = graph.points
     leaving, coming = _units(place[after] - place[nodes]), _units(place[nodes] - place[before])
     smooth = np.einsum("ij,ij->i", leaving, coming) > np.cos(np.radians(CORNER))
-    named = {} if surface is None else _named_edges(surface, number)
+    named, owned = ({}, {}) if surface is None else _named_edges(surface, number)
     follows = dict(zip(nodes.tolist(), after.tolist(), strict=True))
     names = {a: frozenset(named.get((min(a, b), max(a, b)), ())) for a, b in follows.items()}
+    own = {a: owned.get((min(a, b), max(a, b)), "") for a, b in follows.items()}
     turns = zip(nodes.tolist(), before.tolist(), smooth, strict=True)
     begins = [node for node, last, goes_on in turns if not goes_on or names[node] != names[last]]
     sides, seen, corners = [], set(), set(begins)
@@ -73,7 +77,7 @@ def sides_of(graph: FrontGraph, surface: Surface | None = None, number: np.ndarr
             chain.append(node)
             seen.add(node)
         closed = first not in corners
-        sides.append(Side(np.array(chain if closed else [*chain, node]), names[first], closed))
+        sides.append(Side(np.array(chain if closed else [*chain, node]), names[first], closed, own[first]))
     return [side._replace(names=side.names | _extremes(place, side.nodes)) for side in sides]
 
 
@@ -99,6 +103,11 @@ def chosen(sides: Sequence[Side], name: str, surface: Surface, number: np.ndarra
     )
 
 
+def tag_name(tag: float) -> str:
+    """What cells of a tag are called that are in no set."""
+    return f"tag {tag:g}"
+
+
 def _extremes(points: np.ndarray, nodes: np.ndarray) -> frozenset[str]:
     """ "xmin" and the like, for a side all of which lies where the whole surface has its least x."""
     low, high = points.min(axis=0), points.max(axis=0)
@@ -112,17 +121,20 @@ def _extremes(points: np.ndarray, nodes: np.ndarray) -> frozenset[str]:
     return frozenset(found)
 
 
-def _named_edges(surface: Surface, number: np.ndarray) -> dict[tuple[int, int], list[str]]:
-    """Names of edges, by their two nodes, the lower first."""
+def _named_edges(surface: Surface, number: np.ndarray) -> tuple[dict, dict]:
+    """Names of edges, by their two nodes, the lower first; and of these the first that is the surface's own."""
     named: dict[tuple[int, int], list[str]] = {}
-    for nodes, names in _named_lines(surface, number):
+    owned: dict[tuple[int, int], str] = {}
+    for nodes, names, own in _named_lines(surface, number):
         for a, b in np.sort(nodes, axis=1).tolist():
             named.setdefault((a, b), []).extend(names)
-    return named
+            if own:
+                owned.setdefault((a, b), own)
+    return named, owned
 
 
 def _named_lines(surface: Surface, number: np.ndarray):
-    """Pairs of nodes (k, 2), and the names that they have."""
+    """Pairs of nodes (k, 2), the names that they have, and that which the surface itself gives them."""
     if isinstance(surface, Mesh):
         yield from _named_cells(surface, number)
         return
@@ -132,9 +144,10 @@ def _named_lines(surface: Surface, number: np.ndarray):
         grid = number[start : start + block.n_points].reshape(block.shape[:2])
         start += block.n_points
         for face, line in {"imin": grid[0], "imax": grid[-1], "jmin": grid[:, 0], "jmax": grid[:, -1]}.items():
-            names = [face, *([block.names[face]] if face in block.names else [])]
+            own = block.names.get(face, "")
+            names = [face, own] if own else [face]
             names += [f"{surface.names[k]} {face}"] if isinstance(surface, MultiBlock) else []
-            yield np.column_stack([line[:-1], line[1:]]), names
+            yield np.column_stack([line[:-1], line[1:]]), names, own
     yield from _moved_cuts(surface, number)
 
 
@@ -146,7 +159,7 @@ def _moved_cuts(surface: StructuredGrid | MultiBlock, number: np.ndarray):
         for side in (cut, cut.reversed()) if cut.moves else ():
             shape = whole.blocks[side.block].shape
             nodes = number[starts[side.block] + np.ravel_multi_index(tuple(side.places().T), shape)]
-            yield np.column_stack([nodes[:-1], nodes[1:]]), [CUT]
+            yield np.column_stack([nodes[:-1], nodes[1:]]), [CUT], ""
 
 
 def _named_cells(mesh: Mesh, number: np.ndarray):
@@ -159,10 +172,10 @@ def _named_cells(mesh: Mesh, number: np.ndarray):
             for name, members in mesh.sets.items():
                 rows = np.asarray(members)
                 rows = rows[(rows >= first) & (rows < last)] - first
-                yield lines[rows], [name]
+                yield lines[rows], [name], name
             tags = mesh.cell_data.get("tag")
             for tag in [] if tags is None else np.unique(tags[first:last]):
-                yield lines[tags[first:last] == tag], [f"tag {tag:g}"]
+                yield lines[tags[first:last] == tag], [tag_name(tag)], tag_name(tag) if tag else ""
         first = last
 
 

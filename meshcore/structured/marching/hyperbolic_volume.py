@@ -23,6 +23,7 @@ from .front_crossing import clear_layers, emptied_layer, overlapping_node
 from .front_graph import FrontGraph, at
 from .layer_cuts import with_cuts
 from .layer_marching import Outcome, first_normals, least_corner, marched
+from .layer_sides import with_sides
 from .layer_surface import LayerSurface, read_surface
 from .marching_parameters import (
     DistanceParam,
@@ -146,9 +147,13 @@ def hyperbolic_volume(
     Result
         From a `StructuredGrid` (ni, nj, 1) one of (ni, nj, layers + 1), whose faces kmin and kmax are "wall" and
         "outer", and whose cuts tell the periodic edges; from a `MultiBlock` one of such blocks; from a `Mesh` one of
-        "hexahedron" and "wedge" cells, with the number of the layer in ``cell_data["layer"]``. If the march had to
-        stop it has fewer layers, `converged` is False, a warning says at which point, layer and concavity, and
-        ``cell_data["stopped"]`` marks the cells there.
+        "hexahedron" and "wedge" cells, with the number of the layer in ``cell_data["layer"]``, and with the faces of
+        its boundary as "triangle" and "quad" cells, each in one of its ``sets``: "outer"; those of the surface, as
+        the first set of the given mesh that has them is called, or their tag, as "tag 3", or "wall"; and those above
+        edges. These have the name of the mesh's set or tag of line cells; or "periodic" and "periodic donor"; or that
+        by which `each_edge` speaks of them; or "xmin" to "zmax" if all of the edge lies there; or "boundary". If the
+        march had to stop there are fewer layers, `converged` is False, a warning says at which point, layer and
+        concavity, and ``cell_data["stopped"]`` marks the cells there.
 
     Raises
     ------
@@ -178,7 +183,9 @@ def hyperbolic_volume(
     >>> from meshcore import gallery
     >>> mesh, report = hyperbolic_volume(gallery.bumpy_ball(), first_height=0.01, layers=10)
     >>> mesh, report.converged
-    (Mesh(1782 points, 3200 wedge), True)
+    (Mesh(1782 points, 3200 wedge, 640 triangle), True)
+    >>> {name: len(faces) for name, faces in mesh.sets.items()}
+    {'wall': 320, 'outer': 320}
 
     One sector of a hub, whose sides are each other turned:
 
@@ -206,7 +213,11 @@ def hyperbolic_volume(
         if len(made) == 1:
             at = np.flatnonzero(ready.number == outcome.stopped_at)
             raise GenerationFailed(f"no layer could be made: {warnings[-1]}", parameter="surface", points=at)
-    result, untold = with_cuts(ready, front.pairs, ready.layered(made))
+    layered = ready.layered(made)
+    if isinstance(layered, Mesh):
+        result, untold = with_sides(ready, front.sides, front.called, layered)
+    else:
+        result, untold = with_cuts(ready, front.pairs, layered)
     return _reported(ready, result, made, heights, outcome, warnings + untold)
 
 
@@ -283,7 +294,7 @@ def _reported(
     }
     counts = {
         "points": sum(block.n_points for block in blocks),
-        "cells": sum(block.n_cells for block in blocks),
+        "cells": len(ready.graph.faces) * count,
         "layers": count,
     }
     if outcome.steps > count:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...errors import InvalidGeometry
-from ...mesh import Cut, Mesh, MultiBlock, StructuredGrid
+from ...mesh import Cut, MultiBlock, StructuredGrid
 from ..poisson.periodic_faces import Motion
 from .layer_surface import LayerSurface
 from .periodic_edges import EdgePair
@@ -34,8 +34,8 @@ class _BlockSide(NamedTuple):
 
 
 def with_cuts(
-    ready: LayerSurface, pairs: Sequence[EdgePair], result: Mesh | StructuredGrid | MultiBlock
-) -> tuple[Mesh | StructuredGrid | MultiBlock, list[str]]:
+    ready: LayerSurface, pairs: Sequence[EdgePair], result: StructuredGrid | MultiBlock
+) -> tuple[StructuredGrid | MultiBlock, list[str]]:
     """Layers with the cuts of the surface and of its periodic edges, and what could not be recorded.
 
     Parameters
@@ -44,11 +44,9 @@ def with_cuts(
         The surface.
     pairs : sequence of EdgePair
         Its periodic edges.
-    result : Mesh, StructuredGrid or MultiBlock
-        Its layers; a mesh has no cuts.
+    result : StructuredGrid or MultiBlock
+        Its layers.
     """
-    if isinstance(result, Mesh):
-        return result, []
     surface = ready.source if isinstance(ready.source, MultiBlock) else MultiBlock((ready.source,))
     own = [replace(cut, block=k, partner_block=k) for k, block in enumerate(surface.blocks) for cut in block.cuts]
     found, warnings = [*surface.cuts, *own], []

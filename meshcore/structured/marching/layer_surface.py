@@ -34,6 +34,8 @@ class LayerSurface:
         What layers are given back like: the surface, or a mesh in place of grids with poles.
     number : (points of all blocks,) int
         The node of each point of the given surface; -1 if no face has it.
+    cell : (number of the graph's faces,) int
+        The number of each face's cell in a given mesh; of grids counted through all blocks, i running slowest.
     reversed : bool
         Whether the surface is marched to the side from which its faces were given clockwise.
     inwards : bool
@@ -46,6 +48,7 @@ class LayerSurface:
     source: Mesh | StructuredGrid | MultiBlock
     given: Mesh | StructuredGrid | MultiBlock
     number: np.ndarray
+    cell: np.ndarray
     reversed: bool
     inwards: bool = False
     warnings: list[str] = field(default_factory=list)
@@ -129,7 +132,7 @@ def read_surface(
     InvalidInput, InvalidGeometry
         If it is no surface, or one that has no two sides; the message says where.
     """
-    points, faces = _faces(surface)
+    points, faces, cell = _faces(surface)
     diagonal = check_extent(points, parameter="surface")
     warnings = []
     points, number = welded(points, gap * diagonal)
@@ -145,7 +148,7 @@ def read_surface(
         if collapsed.all():
             raise InvalidGeometry("has no face with an area", parameter="surface")
         warnings.append(f"{collapsed.sum():,} faces without area were left out")
-        faces = faces[~collapsed]
+        faces, cell = faces[~collapsed], cell[~collapsed]
     with _points_as_given(number):
         faces, part, turned = turned_alike(faces, points)
     if turned:
@@ -161,7 +164,7 @@ def read_surface(
         graph = front_graph(points, faces, part)
         _refuse_flat(graph)
     given = _without_collapse(surface, faces, warnings)
-    return LayerSurface(graph, surface, given, number, inward ^ other_side, other_side, warnings)
+    return LayerSurface(graph, surface, given, number, cell, inward ^ other_side, other_side, warnings)
 
 
 @contextmanager
@@ -198,8 +201,8 @@ def _blocks(surface: StructuredGrid | MultiBlock) -> tuple[StructuredGrid, ...]:
     return surface.blocks if isinstance(surface, MultiBlock) else (surface,)
 
 
-def _faces(surface: Mesh | StructuredGrid | MultiBlock) -> tuple[np.ndarray, np.ndarray]:
-    """Points and (m, 4) faces of what was given, triangles with -1 last."""
+def _faces(surface: Mesh | StructuredGrid | MultiBlock) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points and (m, 4) faces of what was given, triangles with -1 last, and the numbers of these cells."""
     if isinstance(surface, Mesh):
         wrong = [k for k, c in surface.cells.items() if len(c) and CELL_TYPES[k].dimension > 1]
         wrong = [kind for kind in wrong if kind not in ("triangle", "quad")]
@@ -207,9 +210,10 @@ def _faces(surface: Mesh | StructuredGrid | MultiBlock) -> tuple[np.ndarray, np.
             what = f"has {wrong[0]} cells" if wrong else "has no faces"
             raise InvalidInput(f"{what}; layers need a surface of triangles and quads", parameter="surface")
         # In the order of the mesh's cells, so that numbers of faces are the user's.
-        parts = [np.pad(c, ((0, 0), (0, 4 - c.shape[1])), constant_values=-1) for k, c in surface.cells.items()
-                 if k in ("triangle", "quad")]  # fmt: skip
-        return surface.points, np.concatenate(parts)
+        shown = [(c, where) for k, c, where in surface.blocks() if k in ("triangle", "quad")]
+        parts = [np.pad(c, ((0, 0), (0, 4 - c.shape[1])), constant_values=-1) for c, _ in shown]
+        numbers = [np.arange(where.start, where.stop) for _, where in shown]
+        return surface.points, np.concatenate(parts), np.concatenate(numbers)
     if not isinstance(surface, (StructuredGrid, MultiBlock)):
         raise InvalidInput(
             f"needs a Mesh, a StructuredGrid or a MultiBlock, got {type(surface).__name__}", parameter="surface"
@@ -223,7 +227,7 @@ def _faces(surface: Mesh | StructuredGrid | MultiBlock) -> tuple[np.ndarray, np.
         faces.append(np.stack(corners, axis=-1).reshape(-1, 4))
         points.append(block.points.reshape(-1, 3))
         start += block.n_points
-    return np.concatenate(points), np.concatenate(faces)
+    return np.concatenate(points), np.concatenate(faces), np.arange(sum(map(len, faces)))
 
 
 def _outwards(points: np.ndarray, faces: np.ndarray, part: np.ndarray, warnings: list[str]) -> tuple[np.ndarray, bool]:

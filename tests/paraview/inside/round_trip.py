@@ -7,6 +7,7 @@ import gc
 import numpy as np
 import paraview.simple as pv
 from datasets import (
+    arrays,
     assert_same,
     assert_same_polyhedra,
     content,
@@ -341,8 +342,10 @@ def check_composites_of_meshes_are_one_surface():
     surface = gallery.six_patches(5)
     given = composite([of_mesh(block.to_mesh()) for block in surface.blocks], surface.names)
     dataset = fetched(pv.meshcoreExtrudeHyperbolic(Input=producer(given), FirstHeight=0.01, Layers=3))
-    assert dataset.GetNumberOfCells() == 6 * 16 * 3
     assert dataset.GetNumberOfPoints() == 4 * (6 * 9 + 12 * 3 + 8)
+    found = {name: int(values.sum()) for name, values in arrays(dataset.GetCellData()).items() if "set:" in name}
+    assert found == {"set:outer": 6 * 16, **{f"set:{name}": 16 for name in surface.names}}  # parts of the wall
+    assert dataset.GetNumberOfCells() == 6 * 16 * (3 + 2)
 
 
 def check_layers_end_on_a_second_input():
