@@ -41,7 +41,7 @@ class Outcome(NamedTuple):
 def controlled(section: np.ndarray, around: int | None, height: float) -> Outcome:
     """The grid round a section of chord 1 with right angles and the first height."""
     try:
-        start, _ = o_grid(section, around=around, first_height=height)
+        start, _ = o_grid(section, around=around, first_height=height, method="transfinite")
     except MeshcoreError as error:
         return Outcome(f"no O-grid: {type(error).__name__}")
     began = time.process_time()

@@ -30,7 +30,7 @@ def run(folder: str | os.PathLike, progress: Progress = silent, *, airfoil: str 
 
     ====================== =======================================================================================
     ``triangulation.vtu``  quality triangulation, angles from 30 degrees, small cells at the surface growing outwards
-    ``o_grid.vts``         O-type block by transfinite interpolation, with wall spacing
+    ``o_grid.vts``         O-type block that a hyperbolic march makes, with wall spacing
     ``adapted.vtu``        the triangulation refined where a given field, like a shock's, is steep
     ====================== =======================================================================================
 

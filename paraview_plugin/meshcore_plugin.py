@@ -937,7 +937,7 @@ def vtk_type_of(content):
       <DoubleRangeDomain name="range" min="1" max="100"/>
       <Documentation>Distance of the far field from mid-chord, in chords.</Documentation>
     </DoubleVectorProperty>
-    <IntVectorProperty name="Method" label="Method" command="SetMethod" number_of_elements="1" default_values="0" panel_visibility="default">
+    <IntVectorProperty name="Method" label="Method" command="SetMethod" number_of_elements="1" default_values="2" panel_visibility="default">
       <EnumerationDomain name="enum"><Entry value="0" text="transfinite"/><Entry value="1" text="elliptic"/><Entry value="2" text="hyperbolic"/><Entry value="3" text="parabolic"/></EnumerationDomain>
       <Documentation>How the grid between section and far field is made.</Documentation>
     </IntVectorProperty>
@@ -2080,7 +2080,7 @@ class meshcoreExtrudeHyperbolic(Operation):
       <DoubleRangeDomain name="range" min="1" max="100"/>
       <Documentation>Distance of the far field from mid-chord, in chords.</Documentation>
     </DoubleVectorProperty>
-    <IntVectorProperty name="Method" label="Method" command="SetMethod" number_of_elements="1" default_values="0" panel_visibility="default">
+    <IntVectorProperty name="Method" label="Method" command="SetMethod" number_of_elements="1" default_values="2" panel_visibility="default">
       <EnumerationDomain name="enum"><Entry value="0" text="transfinite"/><Entry value="1" text="elliptic"/><Entry value="2" text="hyperbolic"/><Entry value="3" text="parabolic"/></EnumerationDomain>
       <Documentation>How the grid between section and far field is made.</Documentation>
     </IntVectorProperty>

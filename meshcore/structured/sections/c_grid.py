@@ -40,7 +40,7 @@ def c_grid(
     *,
     far_field: Annotated[parameters.OpenFarField, Param("Shape of the far field: a C, or a box with corners")] = "C",
     radius: parameters.RadiusParam = 10.0,
-    method: parameters.MethodParam = "transfinite",
+    method: parameters.MethodParam = "hyperbolic",
     first_height: parameters.FirstHeightParam = Relative(0.001),
     y_plus: parameters.YPlusParam = None,
     reynolds: parameters.ReynoldsParam = 1e6,
@@ -85,8 +85,9 @@ def c_grid(
         farthest from it.
     method : {"transfinite", "elliptic", "hyperbolic", "parabolic"}
         Lines by interpolation between section and far field; that grid smoothed by the elliptic equations, with right
-        angles and first heights held; marched off at right angles, the far field being where the march arrives; or
-        marched onto the far field. Where straight lines cross, lines of the parabolic march take their place.
+        angles and first heights held; marched off at right angles as far as the C is, the far field being where they
+        arrive, or drawn onto a box or an `outer`; or marched onto the far field. The hyperbolic one has the least
+        skewed cells. Where straight lines cross, lines of the parabolic march take their place.
     first_height : Length
         Distance of the first points from the section, and from the wake.
     y_plus : float, optional
@@ -137,9 +138,10 @@ def c_grid(
 
     Notes
     -----
-    The grid is transfinite between the front and the far field in the plane of a square root, which opens both into
-    nearly straight lines (Jameson's parabolic coordinates), with lines normal to the section. Levels of the other
-    methods are moved along their lines, or marched anew, until layers grow by one factor from the first height on.
+    The transfinite grid, from which all others take their heights, is one between front and far field in the plane of a
+    square root, which opens both into nearly straight lines (Jameson's parabolic coordinates), with lines normal to the
+    section. Levels of the other methods are moved along their lines, or marched anew, until layers grow by one factor
+    from the first height on.
 
     The wake stays where it is asked to be, near where the flow goes. Elliptic lines run through it at right angles,
     with cells of one height on both sides, as the equations would have it on a line that is free.
@@ -172,8 +174,9 @@ def c_grid(
     advance(progress, 0.1, "choosing lines")
     points = _best(front, curve, layers, growth, part_of(progress, 0.1, 0.5))
     step, past = part_of(progress, 0.5, 0.6), _past_base(front, points)
+    onto = None if outer is None and far_field == "C" else lambda ends: curve.like(ends, front.opened.nose)
     method, points, told, changed = lines_by(
-        method, points, closed=False, progress=step, kept=past, bound=outer is not None
+        method, points, closed=False, progress=step, kept=past, bound=outer is not None, onto=onto
     )
     grid = _block(front, points, given)
     counts = {"around": len(points) - 1 - 2 * front.wake, "wake": front.wake, "layers": grid.cell_shape[1], **changed}

@@ -58,6 +58,11 @@ class OuterCurve:
             found[side] = np.column_stack([np.interp(s, length, x) for x in half.T])
         return found
 
+    def like(self, points: np.ndarray, nose: int) -> np.ndarray:
+        """(n, 2) float: points that stand along the curve as those of another do, whose apex is number ``nose``."""
+        length = arc_length(points) - arc_length(points[: nose + 1])[-1]
+        return self.at(length / np.where(length < 0, -length[0], length[-1]))
+
 
 def c_shape(section: Section, radius: float, end: np.ndarray) -> np.ndarray:
     """(m, 2) float: half a circle about the middle of the chord, and straight lines on to beside the wake's end.

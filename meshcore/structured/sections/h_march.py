@@ -14,11 +14,9 @@ from ..marching.hyperbolic_march import Stop
 from ..marching.marching_ends import OnCurve
 from .h_lines import on_top, steps_up
 from .h_regions import Region
-from .section_march import Lines, heights_for_march, layers_within, stop_told
+from .section_march import PART, Lines, beyond, heights_for_march, layers_within, stop_told
 from .section_result import scaled_jacobians
 
-_PART = 0.25
-"""Of the way to the far field: from there on hyperbolic lines are drawn onto it."""
 _THIN = 0.02
 """Of the chord: flat fronts and rears below are rounded by interpolated layers, as marches do not see their corners."""
 _PAST = 3.0
@@ -94,9 +92,9 @@ def _marched(method: str, region: Region, points: np.ndarray, height: float, kep
 
 def _hyperbolic(region: Region, points: np.ndarray, steps: np.ndarray, kept: int, progress: Progress) -> Lines | None:
     """Lines that march a part of the way, or as far as they come, and from there onto the far field; None if never."""
-    ends = OnCurve(_beyond(region.left, points[0, kept])), OnCurve(_beyond(region.right, points[-1, kept]))
+    ends = OnCurve(beyond(region.left, points[0, kept])), OnCurve(beyond(region.right, points[-1, kept]))
     share = np.cumsum(steps.mean(axis=0)) / steps.mean(axis=0).sum()
-    some = int(np.clip(np.searchsorted(share, _PART) + 1, 1, max(steps.shape[1] - 2, 1)))
+    some = int(np.clip(np.searchsorted(share, PART) + 1, 1, max(steps.shape[1] - 2, 1)))
     march = hyperbolic_march.marched(
         points[:, kept], steps[:, :some].T, ends=ends, progress=part_of(progress, 0.0, 0.5)
     )
@@ -125,19 +123,8 @@ def _onto(
     layers, reach = steps.shape[1], np.linalg.norm(target - front, axis=1)
     first = np.minimum(steps[:, 0] / reach, 1 / layers)
     fractions = np.array([geometric(layers, first=share) for share in first]).T
-    sides = _beyond(region.left, front[0]), _beyond(region.right, front[-1])
+    sides = beyond(region.left, front[0]), beyond(region.right, front[-1])
     return parabolic_march.marched(front, target, fractions, sides=sides, progress=progress)
-
-
-def _beyond(end: np.ndarray, start: np.ndarray) -> np.ndarray:
-    """The part of inflow or outflow beyond a point of it."""
-    length = arc_length(end)
-    edge, away = np.diff(end, axis=0), start - end[:-1]
-    share = np.clip((edge * away).sum(axis=1) / (edge**2).sum(axis=1), 0, 1)
-    k = int(np.argmin(np.linalg.norm(away - share[:, None] * edge, axis=1)))
-    rest = end[k + 1 :]
-    near = np.linalg.norm(rest - start, axis=1) > 1e-9 * length[-1]
-    return np.vstack([start, rest[near]])
 
 
 def _told(stop: Stop, region: Region, kept: int) -> str:

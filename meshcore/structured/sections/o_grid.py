@@ -40,7 +40,7 @@ def o_grid(
     *,
     far_field: Annotated[FarField, Param("Shape of the far field: a circle, or a box with corners")] = "circle",
     radius: parameters.RadiusParam = 10.0,
-    method: parameters.MethodParam = "transfinite",
+    method: parameters.MethodParam = "hyperbolic",
     first_height: parameters.FirstHeightParam = Relative(0.001),
     y_plus: parameters.YPlusParam = None,
     reynolds: parameters.ReynoldsParam = 1e6,
@@ -56,8 +56,8 @@ def o_grid(
 ) -> Result:
     """Wrap an O-grid of quadrilaterals around a closed section, out to a circle, a box or a given curve.
 
-    Grid lines leave the section at right angles and end evenly on the circle. The points of the section are kept
-    exactly, unless `around` asks for others.
+    Grid lines leave the section at right angles. The points of the section are kept exactly, unless others are asked
+    for.
 
     ::
 
@@ -79,8 +79,9 @@ def o_grid(
         Its radius, or half its width, in chords. The chord is the section's greatest extent.
     method : {"transfinite", "elliptic", "hyperbolic", "parabolic"}
         Lines by interpolation between section and far field; that grid smoothed by the elliptic equations, with right
-        angles and first heights held; marched off at right angles, the far field being where the march arrives; or
-        marched onto the far field. Where straight lines cross, lines of the parabolic march take their place.
+        angles and first heights held; marched off at right angles as far as the circle is, the far field being where
+        they arrive, or drawn onto a box or an `outer`; or marched onto the far field. The hyperbolic one has by far the
+        least skewed cells. Where straight lines cross, lines of the parabolic march take their place.
     first_height : Length
         Distance of the first points from the section.
     y_plus : float, optional
@@ -116,9 +117,10 @@ def o_grid(
 
     Notes
     -----
-    The grid is the projection P_t of transfinite interpolation between wall and circle, with the derivative matched
-    at the wall, so that lines are normal to it. Where rays meet the far field is a blend of arc length and of the
-    section's positive turning; of a small family of blends that with the best corners and an even circle is taken.
+    The transfinite grid, from which all others take their heights, is the projection P_t between wall and circle, with
+    the derivative matched at the wall, so that lines are normal to it. Where rays meet the far field is a blend of arc
+    length and of the section's positive turning; of a small family of blends that with the best corners and an even
+    circle is taken.
 
     References
     ----------
@@ -152,7 +154,10 @@ def o_grid(
     points = _wrapped(loop, far, chord, height, growth, layers, part_of(progress, 0.0, 0.6))
     points = points[::-1]  # clockwise, so that i, j are right-handed
     step = part_of(progress, 0.6, 0.8)
-    method, points, told, changed = lines_by(method, points, closed=True, progress=step, bound=outer is not None)
+    onto = None if far.circle else lambda ends: far.in_order(far.onto(ends[::-1]))[::-1]
+    method, points, told, changed = lines_by(
+        method, points, closed=True, progress=step, bound=outer is not None, onto=onto
+    )
     warnings += told
     names = {"jmin": "wall", "jmax": "far field"}
     grid = StructuredGrid(given.to_space(points), names=names, periodic=(True, False, False))

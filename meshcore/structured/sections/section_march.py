@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
+from ...geometry.curves import arc_length
 from ...progress import Progress, part_of
 from ..folds import FLAT
 from ..marching import hyperbolic_march, parabolic_march
 from ..marching.fronts import changes_told
 from ..marching.hyperbolic_march import Marched, Stop
 from ..marching.marching_ends import End, OnCurve
+from .lines_out import lengths_along
 from .section_result import scaled_jacobians
 
+PART = 0.25
+"""Of the way to a far field that is to be met: from there on hyperbolic lines are drawn onto it."""
 _PASSES, _MOST, _CORRECTED = 6, 3.0, 10
 """Times that first heights are corrected, the largest factor, and over how many layers it fades."""
 _EQUATIONS = "the elliptic equations took its place"
 _ARRIVES = "the hyperbolic one took its place, and the far field is where that arrives"
+
+
+Onto = Callable[[np.ndarray], np.ndarray]
 
 
 class Lines(NamedTuple):
@@ -42,7 +50,14 @@ class Lines(NamedTuple):
 
 
 def lines_by(
-    method: str, points: np.ndarray, *, closed: bool, progress: Progress, kept: int = 0, bound: bool = True
+    method: str,
+    points: np.ndarray,
+    *,
+    closed: bool,
+    progress: Progress,
+    kept: int = 0,
+    bound: bool = True,
+    onto: Onto | None = None,
 ) -> Lines:
     """The lines of a method in place of transfinite ones, and those of a march where transfinite ones cross.
 
@@ -61,8 +76,10 @@ def lines_by(
         Layers of the transfinite grid that stay; a march that is asked for goes on from the last of them.
     bound : bool
         Whether lines have to end on the far field. If not, a hyperbolic march is tried where the parabolic one stops.
+    onto : callable, optional
+        From where a hyperbolic march arrives to points of the far field, if it is to be met.
     """
-    found = _by(method, points, closed, progress, kept)
+    found = _by(method, points, closed, progress, kept, onto)
     if bound or method == "hyperbolic" or found.method != "elliptic" or not found.warnings:
         return found
     marched = _marched(points, "hyperbolic", closed, progress, kept)
@@ -74,10 +91,10 @@ def lines_by(
     )
 
 
-def _by(method: str, points: np.ndarray, closed: bool, progress: Progress, kept: int) -> Lines:
+def _by(method: str, points: np.ndarray, closed: bool, progress: Progress, kept: int, onto: Onto | None) -> Lines:
     """As `lines_by`; "elliptic" with warnings if no march has reached the far field."""
     if method in ("hyperbolic", "parabolic"):
-        return _marched(points, method, closed, progress, kept)
+        return _marched(points, method, closed, progress, kept, onto)
     crossed = int((scaled_jacobians(points) <= FLAT).sum())
     if not crossed:
         return Lines(method, points, [], {})
@@ -92,7 +109,9 @@ def _by(method: str, points: np.ndarray, closed: bool, progress: Progress, kept:
     )
 
 
-def _marched(points: np.ndarray, method: str, closed: bool, progress: Progress, kept: int) -> Lines:
+def _marched(
+    points: np.ndarray, method: str, closed: bool, progress: Progress, kept: int, onto: Onto | None = None
+) -> Lines:
     """A marched grid in place of a transfinite one, whose front, heights and far field it takes.
 
     If no march could reach the end it is the transfinite one, for the elliptic equations.
@@ -106,6 +125,8 @@ def _marched(points: np.ndarray, method: str, closed: bool, progress: Progress, 
         steps = heights_for_march(front, steps, closed, ends)
     if method == "hyperbolic":
         found = hyperbolic_march.marched(front, steps.T, closed=closed, ends=ends, progress=part_of(progress, 0.0, 0.5))
+        if found.stop is None and onto is not None:
+            found = _drawn(found, onto, None if closed else points[[0, -1], kept:])
         if found.stop is None:
             return _whole(method, points, found, kept, closed, warnings)
         warnings.append(f"the hyperbolic march {stop_told(found.stop)}; the parabolic one took its place")
@@ -124,6 +145,32 @@ def _marched(points: np.ndarray, method: str, closed: bool, progress: Progress, 
         return _whole(method, points, found, kept, closed, warnings)
     stopped = f"the parabolic march {stop_told(found.stop)}; {_EQUATIONS}"
     return Lines("elliptic", points, [*warnings, stopped], {})
+
+
+def _drawn(march: Marched, onto: Onto, sides: np.ndarray | None) -> Marched:
+    """The march with its layers beyond a part of the way drawn onto the far field, by the parabolic scheme."""
+    length = lengths_along(march.points)
+    mean, layers = length.mean(axis=0), length.shape[1] - 1
+    some = int(np.clip(np.searchsorted(mean / mean[-1], PART) - 1, 0, layers - 1))
+    front, steps = march.points[:, some], (length[:, some:] - length[:, some : some + 1]).T
+    ends = (None, None) if sides is None else (beyond(sides[0], front[0]), beyond(sides[1], front[-1]))
+    outside = parabolic_march.marched(
+        front, onto(march.points[:, -1]), steps / steps[-1], closed=sides is None, sides=ends
+    )
+    stop = None if outside.stop is None else outside.stop._replace(layer=outside.stop.layer + some)
+    points = np.concatenate([march.points[:, :some], outside.points], axis=1)
+    return march._replace(points=points, stop=stop)
+
+
+def beyond(end: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """The part of inflow or outflow beyond a point of it."""
+    length = arc_length(end)
+    edge, away = np.diff(end, axis=0), start - end[:-1]
+    share = np.clip((edge * away).sum(axis=1) / (edge**2).sum(axis=1), 0, 1)
+    k = int(np.argmin(np.linalg.norm(away - share[:, None] * edge, axis=1)))
+    rest = end[k + 1 :]
+    near = np.linalg.norm(rest - start, axis=1) > 1e-9 * length[-1]
+    return np.vstack([start, rest[near]])
 
 
 def layers_within(points: np.ndarray, line: int, reach: float, left: int) -> int:

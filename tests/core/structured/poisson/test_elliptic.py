@@ -113,7 +113,9 @@ def test_sides_that_were_turned_are_told():
 
 
 def test_an_o_grid_is_smoothed_with_its_cut_free():
-    rough, _ = mc.o_grid(gallery.airfoil("s1223", cells=96), radius=5, layers=40, first_height=2e-3)
+    rough, _ = mc.o_grid(
+        gallery.airfoil("s1223", cells=96), radius=5, layers=40, first_height=2e-3, method="transfinite"
+    )
     grid, report = mc.elliptically_smoothed(rough, each_wall=[Wall("south", first_height=2e-3)])
     assert report.converged and grid.periodic == rough.periodic and grid.names == rough.names
     assert (grid.points[:, 0] == rough.points[:, 0]).all() and (grid.points[:, -1] == rough.points[:, -1]).all()

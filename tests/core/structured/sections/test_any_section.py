@@ -37,7 +37,7 @@ def test_grids_round_blunt_edges_of_c_grids_keep_the_layers_that_round_its_corne
     assert all("beyond the" in text for text in report.warnings)
     assert scaled_jacobians(grid.points[:, :, 0, :2]).min() > 0.05
     assert first_heights(grid, report).min() > 0.97
-    flat, _ = mc.c_grid(section, base="wrapped")
+    flat, _ = mc.c_grid(section, method="transfinite", base="wrapped")
     assert np.array_equal(flat.points[:, 1], grid.points[:, 1])
     assert np.abs(flat.points - grid.points).max() > 0.1
 

@@ -102,19 +102,22 @@ def test_lines_of_marches_do_not_lean_beside_those_from_the_trailing_edge(name, 
     assert (90 - line_angle(around(grid))[:, 1:-1]).max() < 20  # was 58
 
 
+@pytest.mark.parametrize("method", ["transfinite", "elliptic", "hyperbolic", "parabolic"])
 @pytest.mark.parametrize("shape", ["C", "box"])
-def test_far_fields(shape):
-    grid, _ = mc.c_grid(gallery.airfoil("rae2822"), far_field=shape, radius=4, wake=6)
+def test_far_fields(shape, method):
+    grid, _ = mc.c_grid(gallery.airfoil("rae2822"), far_field=shape, radius=4, wake=6, method=method)
     assert_sound(grid)
     outer = grid.points[:, -1, 0]
-    assert outer[:, 0].max() == pytest.approx(7, rel=1e-6) and np.abs(outer[:, 1]).max() == pytest.approx(4, rel=1e-2)
+    within = 0.1 if (shape, method) == ("C", "hyperbolic") else 1e-2  # of where the march arrives
+    assert outer[:, 0].max() == pytest.approx(7, rel=1e-6) and np.abs(outer[:, 1]).max() == pytest.approx(4, rel=within)
     assert np.ptp(grid.points[0, :, 0, 0]) < 1e-9 and np.ptp(grid.points[-1, :, 0, 0]) < 1e-9  # outflow
 
 
-def test_a_far_field_of_ones_own_is_met():
+@pytest.mark.parametrize("method", ["transfinite", "elliptic", "hyperbolic", "parabolic"])
+def test_a_far_field_of_ones_own_is_met(method):
     angle = np.linspace(np.radians(-60), np.radians(-300), 200)
     own = np.column_stack([0.5 + 5 * np.cos(angle), 4 * np.sin(angle)])
-    grid, _ = mc.c_grid(gallery.airfoil("rae2822"), own, wake=2)
+    grid, _ = mc.c_grid(gallery.airfoil("rae2822"), own, wake=2, method=method)
     assert_sound(grid)
     distance = np.min(np.linalg.norm(grid.points[:, -1, 0, None, :2] - own[None], axis=-1), axis=1)
     assert distance.max() < 0.1
@@ -123,7 +126,7 @@ def test_a_far_field_of_ones_own_is_met():
 def test_symmetric_sections_get_symmetric_grids():
     blocks, _ = mc.c_grid(gallery.airfoil("naca0012"))
     points, base = (block.points[:, :, 0] for block in blocks.blocks)
-    assert np.abs(points - points[::-1] * [1, -1, 1]).max() < 1e-6
+    assert np.abs(points - points[::-1] * [1, -1, 1]).max() < 1e-5
     assert np.abs(base - base[:, ::-1] * [1, -1, 1]).max() < 1e-12
 
 
@@ -148,7 +151,7 @@ def test_heights_in_wall_units():
 
 @pytest.mark.parametrize("section", [gallery.circle(40), gallery.l_shape(6)])
 def test_where_lines_cross_the_grid_is_marched_and_says_so(section):
-    grid, report = mc.c_grid(section, around=60, first_height=0.005)
+    grid, report = mc.c_grid(section, around=60, first_height=0.005, method="transfinite")
     assert_sound(grid)
     assert "parabolic march took their place" in report.warnings[0]
 
