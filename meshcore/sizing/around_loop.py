@@ -11,6 +11,12 @@ from ..geometry.curves import arc_length, corners, turning
 from ..geometry.spline import ShapeSpline
 
 _BINS = 4096
+_FINE = 16
+"""Chords by which the length of a spline between two points is measured."""
+_PARTS = 8
+"""Pieces in which the turning at a point is spread over half an edge."""
+_NEARLY_NONE, _HALVINGS = 1e-9, 40
+"""A scale of bending that asks for no cell, and steps in which the scale that makes as many cells as given is found."""
 _CORNER = np.radians(60)
 """Turn from which on the two sides of a place differ."""
 _PASSES, _EXACT, _MOST = 8, 0.003, 4.0
@@ -90,7 +96,7 @@ def respaced_loop(
     sizes : sequence of (float, float)
         Places, as fractions of the length, and the sizes of cells there.
     growth : float
-        Factor from cell to cell by which cells become larger away from those places.
+        Largest factor from cell to cell between corners.
 
     Returns
     -------
@@ -160,63 +166,119 @@ def _respaced(
         raise InvalidInput(
             f"{cells} cells are too few for a loop with {len(stops)} corners; give more", parameter="around"
         )
-    closed = np.vstack([loop, loop[:1]])
-    length = arc_length(closed)
-    fractions = length / length[-1]
-    density = smoothed_turning(fractions[:-1], np.abs(turn), width)
+    spline = _LoopSpline(loop, stops, closed=not corner.any())
+    fractions = spline.fractions
+    density = smoothed_turning(*_spread(fractions[:-1], np.abs(turn), corner), width)
     density = bend * np.maximum(density, 0) / np.abs(turn).sum() + (1 - bend) / len(density)
+    straight = arc_length(np.vstack([loop, loop[:1]]))
+    sizes = [(float(np.interp(at * straight[-1], straight, fractions)), size / spline.length) for at, size in sizes]
     fine = _fine_fractions(sizes)
-    share = accumulated(density, fine)
-    if sizes:
-        share = _with_sizes(density, fine, cells, [(at, size / length[-1]) for at, size in sizes], growth)
+    share = _shares(density, fine, cells, sizes, growth)
     share[-1] = 1.0
     counts = _shared_out(cells, np.diff(np.interp(np.append(fractions[stops], 1.0), fine, share)))
-    smooth = not corner.any()
     pieces = []
-    for start, stop, count in zip(stops, np.append(stops[1:], len(loop)), counts, strict=True):
+    for piece, (start, stop, count) in enumerate(zip(stops, np.append(stops[1:], len(loop)), counts, strict=True)):
         level = np.interp([fractions[start], fractions[stop]], fine, share)
-        at = np.interp(np.linspace(*level, count + 1)[:-1], share, fine) * length[-1]
-        at[0] = length[start]
-        spline = ShapeSpline(closed[start : stop + 1], closed=smooth)
-        pieces.append(spline(at - length[start]))
+        pieces.append(spline.piece(piece, np.interp(np.linspace(*level, count + 1)[:-1], share, fine)))
         pieces[-1][0] = loop[start]
     return np.concatenate(pieces)
 
 
+class _LoopSpline:
+    """Splines from corner to corner of a loop, and places on them by their own lengths.
+
+    Where a spline bends much between two points it is longer than its chord, and its parameter runs unevenly.
+
+    Attributes
+    ----------
+    fractions : (n + 1,) float
+        Of the whole length, at the loop's points.
+    length : float
+        The whole length.
+    """
+
+    def __init__(self, loop: np.ndarray, stops: np.ndarray, *, closed: bool):
+        whole = np.vstack([loop, loop[:1]])
+        self._splines = []
+        places, lengths, offset = [], [], 0.0
+        self.fractions = np.zeros(len(whole))
+        for start, stop in zip(stops, np.append(stops[1:], len(loop)), strict=True):
+            spline = ShapeSpline(whole[start : stop + 1], closed=closed)
+            own = spline.length
+            at = np.append((own[:-1, None] + np.diff(own)[:, None] * np.arange(_FINE) / _FINE).ravel(), own[-1])
+            true = offset + arc_length(spline(at))
+            self._splines.append(spline)
+            places.append(at)
+            lengths.append(true)
+            self.fractions[start : stop + 1] = true[::_FINE]
+            offset = float(true[-1])
+        self.length = offset
+        self.fractions /= offset
+        self._tables = [(at, true / offset) for at, true in zip(places, lengths, strict=True)]
+
+    def piece(self, number: int, fractions: np.ndarray) -> np.ndarray:
+        """(m, 2) float: points of a piece at fractions (m,) of the whole length."""
+        at, true = self._tables[number]
+        return self._splines[number](np.interp(fractions, true, at))
+
+
 def _fine_fractions(sizes: Sequence[tuple[float, float]]) -> np.ndarray:
-    """Fractions from 0 to 1 of a table of density: four a bin, ever denser towards places of given size."""
+    """Fractions from 0 to 1 of a table of density: one a bin, ever denser towards places of given size."""
     near = np.geomspace(1e-9, 0.1, 600)
     around = [np.concatenate([at - near, [at], at + near]) for at, _ in sizes]
-    fine = np.concatenate([np.linspace(0, 1, 4 * _BINS + 1), *around])
+    fine = np.concatenate([np.linspace(0, 1, _BINS + 1), *around])
     return np.unique(np.clip(fine, 0, 1))
 
 
-def _with_sizes(density: np.ndarray, fine: np.ndarray, cells: int, sizes, growth: float) -> np.ndarray:
-    """Share of the points up to each fraction, cells having given sizes at some places and growing from there."""
-    rise = np.log(growth)
-    wanted = np.zeros(len(fine))
-    for at, size in sizes:
-        away = np.abs((fine - at + 0.5) % 1.0 - 0.5)
-        wanted = np.maximum(wanted, 1 / (size + rise * away))
-    # What bends asks for is scaled until there are as many cells as given; the sizes alone need fewer.
+def _shares(density: np.ndarray, fine: np.ndarray, cells: int, sizes, growth: float) -> np.ndarray:
+    """Share of the points up to each fraction: dense as asked, given sizes at some places, and growing by no more.
+
+    The size of cells is the reciprocal of their density. Where sizes grow along the loop by no more than the logarithm
+    of ``growth`` times the way, each cell is at most ``growth`` times as long as its neighbour: a limit of gradation
+    (H. Borouchaki, F. Hecht, P. J. Frey, "Mesh gradation control", Int. J. Numer. Meth. Eng. 43 (1998)).
+    """
     bins = np.linspace(0, 1, _BINS + 1)
     asked = np.interp(fine, bins, np.append(density, density[0])) * _BINS
+    given = np.full(len(fine), np.inf)
+    for at, size in sizes:
+        given[np.argmin(np.abs(fine - at))] = size
+    slope = np.log(growth) * fine
 
     def total(scale: float) -> np.ndarray:
-        both = np.maximum(scale * asked, wanted)
+        size = np.minimum(1 / (scale * asked), given)
+        for _ in range(2):  # twice round the loop, both ways
+            size[-1] = size[0] = min(size[0], size[-1])
+            size = np.minimum.accumulate(size - slope) + slope
+            size = np.minimum.accumulate((size + slope)[::-1])[::-1] - slope
+        both = 1 / size
         return np.concatenate([[0.0], np.cumsum(0.5 * (both[1:] + both[:-1]) * np.diff(fine))])
 
-    need = float(total(0.0)[-1])
+    # What bends ask for is scaled until there are as many cells as given; the sizes alone need fewer.
+    need = float(total(_NEARLY_NONE)[-1])
     if need > cells:
         raise InvalidInput(
             f"{cells} cells are too few for the spacing at the edges; give {np.ceil(need):.6g}", parameter="around"
         )
-    low, high = 0.0, float(cells)
-    for _ in range(60):
+    low, high = _NEARLY_NONE, float(cells)
+    for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if total(middle)[-1] < cells else (low, middle)
     share = total(high)
     return share / share[-1]
+
+
+def _spread(fractions: np.ndarray, turn: np.ndarray, sharp: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Places and weights of turning (n,) that is spread from its points over half of their edges, but at corners.
+
+    A round on few points bends along its edges, and not at the points, as a spline through them shows.
+    """
+    edge = np.diff(np.append(fractions, 1.0 + fractions[0]))[:, None]
+    part = (np.arange(_PARTS) + 0.5) / (2 * _PARTS)
+    ahead, behind = fractions[:, None] + edge * part, fractions[:, None] - np.roll(edge, 1, axis=0) * part
+    round_ = ~sharp
+    weight = np.repeat(turn[round_] / (2 * _PARTS), 2 * _PARTS)
+    at = np.hstack([ahead, behind])[round_].ravel() % 1.0
+    return np.append(fractions[sharp], at), np.append(turn[sharp], weight)
 
 
 def _shared_out(cells: int, weights: np.ndarray) -> np.ndarray:

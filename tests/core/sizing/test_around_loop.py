@@ -147,3 +147,31 @@ def test_cells_of_a_blunt_edge_are_like_their_neighbours(cells):
     assert len(edge) == 2
     for corner in edge:
         assert 1 / 1.45 < steps[corner] / steps[corner - 1] < 1.45
+
+
+def growth_between_corners(loop, new):
+    """The largest ratio of neighbouring cells that do not meet at a corner of the loop."""
+    kept = {tuple(p) for p in loop[np.append(np.flatnonzero(corners(turning(loop))), 0)]}
+    steps = np.linalg.norm(np.roll(new, -1, axis=0) - new, axis=1)
+    ratio = steps / np.roll(steps, 1)
+    return max(max(r, 1 / r) for p, r in zip(new, ratio, strict=True) if tuple(p) not in kept)
+
+
+@pytest.mark.parametrize("growth", [1.1, 1.2, 1.3])
+@pytest.mark.parametrize("cells", [100, 200, 400])
+@pytest.mark.parametrize("loop", SECTIONS.values(), ids=SECTIONS)
+def test_cells_grow_by_no_more_than_asked(loop, cells, growth):
+    coarse = loop[::5]  # whose points turn by 30 degrees and more, as sections in old files do
+    for points in (loop, coarse):
+        found = growth_between_corners(points, respaced_loop(points, cells, growth=growth))
+        assert found < 1 + 1.2 * (growth - 1)  # was 1.4, and 2 to 7 on coarse points; the rest is rounding of counts
+
+
+def test_cells_are_no_longer_between_points_where_the_spline_bends_much():
+    thin = np.array([[1, 0], [0.5, 0.05], [0.1, 0.04], [0, 0.01], [0.01, -0.01], [0.1, -0.03], [0.5, -0.03]], float)
+    assert growth_between_corners(thin, respaced_loop(thin, 150)) < 1.25
+
+
+def test_a_coarse_round_bends_along_its_edges():
+    turn = np.degrees(np.abs(turning(respaced_loop(gallery.circle(12).points[:, :2], 60))))
+    assert np.ptp(turn) < 1.5 and turn.mean() == pytest.approx(6)
