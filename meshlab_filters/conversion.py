@@ -6,6 +6,7 @@ polygon, and polylines of edges. A volume is shown as two layers, its boundary a
 
 from __future__ import annotations
 
+import re
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -192,12 +193,15 @@ class Layer(NamedTuple):
     face_data, vertex_data : dict of str to array
         Custom attributes. They are attached once the layer is in the MeshSet: `add_mesh` copies a mesh, but the
         copies of its attributes point to memory that is freed with the original.
+    polygon : (number of faces,) int
+        The number of the polygon that each of MeshLab's triangles is of.
     """
 
     label: str
     mesh: pymeshlab.Mesh | bytes
     face_data: dict[str, np.ndarray]
     vertex_data: dict[str, np.ndarray]
+    polygon: np.ndarray = np.empty(0, np.int64)
 
 
 def add(
@@ -290,7 +294,9 @@ def layers(result: Mesh | PolyhedralMesh | StructuredGrid | MultiBlock, label: s
     values = quality.measure(mesh, measure) if measure else np.full(mesh.n_cells, np.nan)
     if mesh.dimension == 3:
         outside = mesh.boundary
-        yield _surface(label, outside, outside.cell_data["cell"], values, mesh.cell_data)
+        layer = _surface(label, outside, outside.cell_data["cell"], values, mesh.cell_data)
+        sides = {_as_word(name): inside[layer.polygon] for name, inside in _sides(mesh, outside).items()}
+        yield layer._replace(face_data={**layer.face_data, **sides})
         yield _exploded(f"{label} exploded", mesh, values)
     elif mesh.dimension == 2:
         kept = np.concatenate([np.arange(w.start, w.stop) for k, _, w in mesh.blocks() if CELL_TYPES[k].dimension == 2])
@@ -320,7 +326,26 @@ def _surface(label: str, surface: Mesh, cell: np.ndarray, values: np.ndarray, da
     # MeshLab shows n corners by n - 2 triangles, one after the other.
     face = np.repeat(np.arange(len(cell)), np.concatenate([np.full(len(c), c.shape[1] - 2) for c in polygons]))
     face_data = {name: array[cell][face] for name, array in data.items() if name != CELL}
-    return Layer(label, layer, {CELL: cell[face], **face_data}, surface.point_data)
+    return Layer(label, layer, {CELL: cell[face], **face_data}, surface.point_data, face)
+
+
+def _as_word(name: str) -> str:
+    """The attribute of a side, 1 on its faces; MeshLab's conditions fail as a whole beside names that are no words."""
+    return "set_" + re.sub(r"\W", "_", name, flags=re.ASCII)
+
+
+def _sides(mesh: Mesh, outside: Mesh) -> dict[str, np.ndarray]:
+    """(faces of the outside,) bool: for each set of sides of a volume mesh, which of its outer faces are in it."""
+    faces = [(kind, c, w) for kind, c, w in mesh.blocks() if CELL_TYPES[kind].dimension == 2]
+    if not faces:
+        return {}
+    parts = [*outside.cells.items(), *((kind, c) for kind, c, _ in faces)]
+    corners = [np.sort(c[:, : len(CELL_TYPES[kind].edges)], axis=1) for kind, c in parts]
+    rows = np.concatenate([np.pad(c, ((0, 0), (4 - c.shape[1], 0)), constant_values=-1) for c in corners])
+    _, same = np.unique(rows, axis=0, return_inverse=True)
+    shown, given = np.split(same.ravel(), [outside.n_cells])
+    number = np.concatenate([np.arange(where.start, where.stop) for _, _, where in faces])
+    return {name: np.isin(shown, given[np.isin(number, members)]) for name, members in mesh.sets.items()}
 
 
 def _polygon_layers(label: str, mesh: PolyhedralMesh) -> Iterator[Layer]:

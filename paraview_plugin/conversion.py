@@ -213,7 +213,7 @@ def fill(output, result):
         add_arrays(output.GetFieldData(), encoded_cuts(result.cuts))
         return
     if isinstance(result, (StructuredGrid, MultiBlock)) and not isinstance(output, vtkStructuredGrid):
-        result = result.to_mesh()  # of an operation that gives what it was given, and has one type of output here
+        result = _with_sets(result)  # of an operation that gives what it was given, and has one type of output here
     data = encoded(result)
     if isinstance(output, vtkStructuredGrid) and result.names:
         data = replace(data, point_data={**data.point_data, FACE: _faces_of(result)})
@@ -231,6 +231,14 @@ def fill(output, result):
     add_arrays(output.GetPointData(), data.point_data)
     add_arrays(output.GetCellData(), data.cell_data)
     add_arrays(output.GetFieldData(), data.field_data)
+
+
+def _with_sets(grid):
+    """A grid or blocks as a mesh, in which blocks are sets of cells and named sides sets of their lines or faces."""
+    from meshcore import MultiBlock, with_named_sides
+
+    sides = with_named_sides(grid)
+    return replace(sides, sets={**(grid.to_mesh().sets if isinstance(grid, MultiBlock) else {}), **sides.sets})
 
 
 def _faces_of(grid):

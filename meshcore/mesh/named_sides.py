@@ -24,7 +24,8 @@ def with_named_sides(grid: Union[StructuredGrid, MultiBlock]) -> Mesh:
     Returns
     -------
     Mesh
-        "quad" cells with "line" cells as sides, or "hexahedron" cells with "quad" cells.
+        "quad" cells with "line" cells as sides, or "hexahedron" cells with "quad" cells. Sides have the cell data of
+        the cells that they bound.
 
     Examples
     --------
@@ -38,14 +39,21 @@ def with_named_sides(grid: Union[StructuredGrid, MultiBlock]) -> Mesh:
     whole = blocks.to_mesh()
     numbers = blocks.numbers()
     used = np.unique(np.concatenate([number.ravel() for number in numbers]))
+    owners = _cell_numbers(blocks)
     sides: dict[str, list[np.ndarray]] = {}
+    bounded: dict[str, list[np.ndarray]] = {}
     for patch in patches(blocks, moved=True):
-        inside = tuple(slice(low, high + 1) for low, high in zip(*patch.points, strict=True))
-        nodes = numbers[patch.block][inside].squeeze(axis=FACES.index(patch.face) // 2)
+        axis, last = divmod(FACES.index(patch.face), 2)
+        inside = [slice(low, high + 1) for low, high in zip(*patch.points, strict=True)]
+        nodes = numbers[patch.block][tuple(inside)].squeeze(axis=axis)
         sides.setdefault(patch.name, []).append(np.searchsorted(used, _cells(nodes)))
+        beside = [slice(low, max(high, low + 1)) for low, high in zip(*patch.points, strict=True)]
+        beside[axis] = slice(-1, None) if last else slice(0, 1)
+        bounded.setdefault(patch.name, []).append(owners[patch.block][tuple(beside)].ravel())
     if not sides:
         return whole
     cells = {name: np.concatenate(parts) for name, parts in sides.items()}
+    owner = np.concatenate([np.arange(whole.n_cells), *(np.concatenate(parts) for parts in bounded.values())])
     kind = "line" if next(iter(cells.values())).shape[1] == 2 else "quad"
     count, sets = whole.n_cells, {}
     for name, rows in cells.items():
@@ -55,8 +63,19 @@ def with_named_sides(grid: Union[StructuredGrid, MultiBlock]) -> Mesh:
         whole.points,
         {**whole.cells, kind: np.concatenate(list(cells.values()))},
         point_data=whole.point_data,
+        cell_data={name: values[owner] for name, values in whole.cell_data.items()},
         sets=sets,
     )
+
+
+def _cell_numbers(blocks: MultiBlock) -> list[np.ndarray]:
+    """(ni - 1, nj - 1, nk - 1 or 1) int for each block: numbers of its cells in the glued mesh, i running fastest."""
+    starts = np.cumsum([0] + [block.n_cells for block in blocks.blocks])
+    shapes = [tuple(max(n - 1, 1) for n in block.shape) for block in blocks.blocks]
+    return [
+        start + np.arange(np.prod(shape)).reshape(shape[::-1]).swapaxes(0, 2)
+        for start, shape in zip(starts, shapes, strict=False)
+    ]
 
 
 def _cells(nodes: np.ndarray) -> np.ndarray:

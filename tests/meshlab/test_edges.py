@@ -46,3 +46,16 @@ def test_names_that_are_none_are_told(ms):
     add(ms, gallery.hub_sector(8, 10).to_mesh(), "hub")
     with pytest.raises(pymeshlab.PyMeshLabException, match="no edge is called 'top'"):
         meshlab_filters.hyperbolic_volume(ms, each_edge="top = plane")
+
+
+def test_sides_of_layers_are_selected_by_their_names(ms):
+    ms.set_current_mesh(add(ms, gallery.hub_sector(4, 6).to_mesh(), "hub"))
+    made = meshlab_filters.hyperbolic_volume(ms, first_height=0.01, layers=3, edges="free")
+    counts = {"wall": 24, "outer": 24, "zmin": 12, "zmax": 12}
+    assert {name: len(made.mesh.sets[name]) for name in counts} == counts
+    layer = ms.current_mesh()
+    for name, count in counts.items():
+        ms.compute_selection_by_condition_per_face(condselect=f"set_{name} == 1")
+        assert layer.selected_face_number() == 2 * count  # triangles of quads
+    z = layer.vertex_matrix()[layer.face_matrix()[layer.face_custom_scalar_attribute_array("set_zmin") > 0]][..., 2]
+    assert abs(z).max() < 0.1

@@ -39,3 +39,24 @@ def test_blocks_are_glued_with_their_sides(tmp_path):
     mc.io.write(tmp_path / "h.su2", blocks)
     mesh = mc.io.read(tmp_path / "h.su2")
     assert set(mesh.sets) == {"wall", "far_field", "inflow", "outflow"} and mesh.n_points == blocks.to_mesh().n_points
+
+
+def test_sides_have_the_data_of_the_cells_that_they_bound():
+    grid, _ = mc.c_grid(gallery.airfoil("rae2822"), radius=3)
+    blocks, _ = mc.h_grid(gallery.airfoil("naca0012"), radius=3, first_height=0.005)
+    for given in (grid, blocks, box(4, 3, 5)):
+        own = given.blocks if isinstance(given, mc.MultiBlock) else (given,)
+        rng = np.random.default_rng(0)
+        own = tuple(block.with_cell_data(a=rng.random(block.cell_shape)) for block in own)
+        mesh = mc.with_named_sides(mc.MultiBlock(own, given.names, given.cuts) if len(own) > 1 else own[0])
+        kinds = list(mesh.cells)
+        assert len(kinds) == 2
+        inner, sides = (mesh.cells[kind].tolist() for kind in kinds)
+        value = mesh.cell_data["a"]
+        with_point: dict[int, set[int]] = {}
+        for k, nodes in enumerate(inner):
+            for node in nodes:
+                with_point.setdefault(node, set()).add(k)
+        for k, nodes in enumerate(sides, len(inner)):
+            (owner,) = set.intersection(*(with_point[node] for node in nodes))
+            assert value[k] == value[owner]

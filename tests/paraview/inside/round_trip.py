@@ -287,7 +287,14 @@ def check_layers_of_a_structured_surface_are_unstructured():
     given = producer(structured(patch))
     dataset = fetched(pv.meshcoreExtrudeHyperbolic(Input=given, FirstHeight=0.01, Layers=3))
     grid, _ = meshcore.hyperbolic_volume(patch, first_height=0.01, layers=3)
-    assert_same_mesh(dataset, grid.to_mesh())
+    assert_same_mesh(dataset, meshcore.with_named_sides(grid))
+    assert named(dataset) == {"wall": 16, "outer": 16, "boundary": 4 * 12}
+
+
+def named(dataset):
+    """Number of cells of each set."""
+    data = arrays(dataset.GetCellData())
+    return {name.removeprefix("set:"): int(values.sum()) for name, values in data.items() if name.startswith("set:")}
 
 
 def composite(leaves, names):
@@ -327,7 +334,9 @@ def check_blocks_become_layers_of_one_front():
         dataset = fetched(pv.meshcoreExtrudeHyperbolic(Input=producer(composite), FirstHeight=0.01, Layers=3))
         assert dataset.GetClassName() == "vtkUnstructuredGrid"
         np.testing.assert_array_equal(content(dataset)[0], expected.points)
-        assert dataset.GetNumberOfCells() == expected.n_cells
+        assert dataset.GetNumberOfCells() == expected.n_cells + 2 * 6 * 16
+        found = named(dataset)
+        assert found.pop("wall") == found.pop("outer") == 6 * 16 and list(found.values()) == 6 * [16 * 3]
 
 
 def check_blocks_read_from_a_file_become_layers():
@@ -335,7 +344,7 @@ def check_blocks_read_from_a_file_become_layers():
     path = str(OUT / "patches.vtm")
     meshcore.io.write(path, surface)
     dataset = fetched(pv.meshcoreExtrudeHyperbolic(Input=pv.XMLMultiBlockDataReader(FileName=[path]), Layers=3))
-    assert dataset.GetNumberOfCells() == 6 * 16 * 3
+    assert dataset.GetNumberOfCells() == 6 * 16 * (3 + 2)
 
 
 def check_composites_of_meshes_are_one_surface():
@@ -343,8 +352,7 @@ def check_composites_of_meshes_are_one_surface():
     given = composite([of_mesh(block.to_mesh()) for block in surface.blocks], surface.names)
     dataset = fetched(pv.meshcoreExtrudeHyperbolic(Input=producer(given), FirstHeight=0.01, Layers=3))
     assert dataset.GetNumberOfPoints() == 4 * (6 * 9 + 12 * 3 + 8)
-    found = {name: int(values.sum()) for name, values in arrays(dataset.GetCellData()).items() if "set:" in name}
-    assert found == {"set:outer": 6 * 16, **{f"set:{name}": 16 for name in surface.names}}  # parts of the wall
+    assert named(dataset) == {"outer": 6 * 16, **{name: 16 for name in surface.names}}  # parts of the wall
     assert dataset.GetNumberOfCells() == 6 * 16 * (3 + 2)
 
 

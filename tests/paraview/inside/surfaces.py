@@ -88,7 +88,7 @@ def check_blocks_are_extruded_as_one_surface():
         (nested if k else blocks).SetBlock(k, structured(patch))
     blocks.SetBlock(1, nested)
     proxy = pv.meshcoreExtrudeHyperbolic(Input=producer(blocks), FirstHeight=0.01, Layers=4)
-    wanted = meshcore.hyperbolic_volume(patches, first_height=0.01, layers=4).mesh.to_mesh()
+    wanted = meshcore.with_named_sides(meshcore.hyperbolic_volume(patches, first_height=0.01, layers=4).mesh)
     dataset = fetched(proxy)
     assert dataset.GetNumberOfCells() == wanted.n_cells
     made, asked = (np.unique(np.round(points, 9), axis=0) for points in (content(dataset)[0], wanted.points))
