@@ -352,7 +352,7 @@ def check_composites_of_meshes_are_one_surface():
     given = composite([of_mesh(block.to_mesh()) for block in surface.blocks], surface.names)
     dataset = fetched(pv.meshcoreExtrudeHyperbolic(Input=producer(given), FirstHeight=0.01, Layers=3))
     assert dataset.GetNumberOfPoints() == 4 * (6 * 9 + 12 * 3 + 8)
-    assert named(dataset) == {"outer": 6 * 16, **{name: 16 for name in surface.names}}  # parts of the wall
+    assert named(dataset) == {"outer": 6 * 16, **dict.fromkeys(surface.names, 16)}  # parts of the wall
     assert dataset.GetNumberOfCells() == 6 * 16 * (3 + 2)
 
 
