@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Union
 
 import numpy as np
+from scipy.ndimage import gaussian_filter1d
 
 from ...errors import InvalidInput
 from ..algebraic.blending import blended
@@ -20,6 +21,10 @@ ControlFunction = Union[np.ndarray, float, Callable[..., np.ndarray]]
 LARGEST_GROWTH = 2.0
 """Cells that grow by more than exp(2) from one to the next are no grid that differences could be taken on."""
 _SMALLEST = 1e-150
+_STEEPEST = 5.0
+"""Largest growth of a grid that is kept: walls may have an edge a hundred times as long as the next."""
+_SMOOTHED = 5.0
+"""Width in cells over which the growth of a grid is smoothed."""
 
 
 def from_boundary(points: np.ndarray, *, cyclic: bool = False) -> np.ndarray:
@@ -52,6 +57,53 @@ def from_boundary(points: np.ndarray, *, cyclic: bool = False) -> np.ndarray:
     >>> bool(abs(growth[0] - np.log(2)).max() < 1e-12), bool((growth[1:] == 0).all())
     (True, True)
     """
+    growth = _own(points, cyclic)
+    if cyclic:
+        growth[1] = growth[1, :-1].mean(axis=0)
+    axes = range(points.ndim - 1)
+    for axis in axes[:1] if cyclic else axes:
+        growth[axis] = blended(growth[axis], [other for other in axes if other != axis])
+    return np.clip(growth, -LARGEST_GROWTH, LARGEST_GROWTH)
+
+
+def from_grid(points: np.ndarray, *, cyclic: bool = False) -> np.ndarray:
+    """Growth that a grid has by itself, smoothed: its equations keep its spacing, and even out how its lines bend.
+
+    The same ``P`` as in `from_boundary`, but everywhere. Each control function is smoothed along the lines on which
+    the other coordinate grows, so that spacing along its own stays (J. F. Thompson, "A composite grid generation code
+    for general 3D regions", in "Numerical Grid Generation in Computational Fluid Mechanics '88").
+
+    Parameters
+    ----------
+    points : (ni, nj, 2) float
+        A sound planar grid.
+    cyclic : bool
+        Whether the last row along i is the first, or that moved along.
+
+    Returns
+    -------
+    (2, ni, nj) float
+        For each direction, between -5 and 5.
+
+    Examples
+    --------
+    >>> i, j = np.meshgrid(2.0 ** np.arange(4), np.arange(3.0), indexing="ij")
+    >>> growth = from_grid(np.stack([i, j], axis=-1))
+    >>> bool(abs(growth[0] - np.log(2)).max() < 1e-12), bool((growth[1] == 0).all())
+    (True, True)
+    """
+    growth = _own(points, cyclic)
+    growth[0] = gaussian_filter1d(growth[0], _SMOOTHED, axis=1, mode="nearest")
+    if cyclic:
+        growth[1, :-1] = gaussian_filter1d(growth[1, :-1], _SMOOTHED, axis=0, mode="wrap")
+        growth[1, -1] = growth[1, 0]
+    else:
+        growth[1] = gaussian_filter1d(growth[1], _SMOOTHED, axis=0, mode="nearest")
+    return np.clip(growth, -_STEEPEST, _STEEPEST)
+
+
+def _own(points: np.ndarray, cyclic: bool) -> np.ndarray:
+    """(d, ni, nj[, nk]) growth along each direction that would keep a grid as it is, if its lines were orthogonal."""
     if cyclic:
         way = points[-1:] - points[:1]
         points = np.concatenate([points[-2:-1] - way, points, points[1:2] + way])
@@ -71,12 +123,7 @@ def from_boundary(points: np.ndarray, *, cyclic: bool = False) -> np.ndarray:
                 across = np.moveaxis(lengths[other], axis, 0)
                 inner[1:-1] -= 0.5 * (across[2:] - across[:-2])
         inner[0], inner[-1] = inner[1], inner[-2]
-    if cyclic:
-        growth = growth[:, 1:-1]
-        growth[1] = growth[1, :-1].mean(axis=0)
-    for axis in axes[:1] if cyclic else axes:
-        growth[axis] = blended(growth[axis], [other for other in axes if other != axis])
-    return np.clip(growth, -LARGEST_GROWTH, LARGEST_GROWTH)
+    return growth[:, 1:-1] if cyclic else growth
 
 
 def poles(points: np.ndarray) -> list[tuple[int, int]]:

@@ -20,9 +20,9 @@ from ..folds import folded_cells, refuse_folds
 from ..limits import check_extent
 from .barrier import curable_cells, unfolded
 from .biharmonic import biharmonic
-from .control_functions import Attractor, ControlFunction, from_attractors, from_boundary, from_user
+from .control_functions import Attractor, ControlFunction, from_attractors, from_boundary, from_grid, from_user
 from .wall_checks import NO_INSIDE, refuse_wall
-from .wall_control import FEWEST_CELLS, Wall, controlled, judged, measured
+from .wall_control import FEWEST_CELLS, HEIGHT_AIM, Wall, controlled, judged, measured
 from .winslow import CUT, MOST_CYCLES, SIDES, Frame, levels_of, orientation, winslow
 
 _CURE = (
@@ -44,8 +44,11 @@ class Asked:
     ----------
     equation : {"Poisson", "biharmonic"}
         What is solved; control functions are Poisson's.
-    control : {"none", "boundary spacing"}
-        Control functions from the boundary.
+    control : {"none", "boundary spacing", "grid spacing"}
+        Control functions from the start's boundary, or from all of a start that needs little more than smoothing: with
+        walls it is solved from there.
+    height_aim : float
+        Error of first heights at walls, as a share, that is worked for.
     control_functions : P and Q, or None
         The user's control functions.
     attractors : sequence of Attractor
@@ -67,7 +70,8 @@ class Asked:
     """
 
     equation: Equation = "Poisson"
-    control: Control = "none"
+    control: Control | Literal["grid spacing"] = "none"
+    height_aim: float = HEIGHT_AIM
     control_functions: Sequence[ControlFunction] | None = None
     attractors: Sequence[Attractor] = ()
     walls: Sequence[Wall] = ()
@@ -86,6 +90,8 @@ class Asked:
         parts = []
         if self.control == "boundary spacing":
             parts.append(from_boundary(points, cyclic=cyclic))
+        if self.control == "grid spacing":
+            parts.append(from_grid(points, cyclic=cyclic))
         if self.control_functions is not None:
             parts.append(from_user(self.control_functions, shape))
         if self.attractors:
@@ -237,6 +243,8 @@ def _planar(points: np.ndarray, cyclic: bool, asked: Asked, progress: Progress) 
         return without_inside(points, asked)
     for share in asked.shares if growth is not None else (1.0,):
         found = _once(points, None if growth is None else share * growth, cyclic, asked, progress)
+        if not np.isfinite(found.points).all():
+            break
         folded = curable_cells(found.points, sign, cyclic=cyclic)
         if folded.mean() > asked.give_up:
             break  # what is folded is refused
@@ -309,7 +317,8 @@ def _with_walls(points: np.ndarray, growth: np.ndarray | None, cyclic: bool, ask
         growth = np.zeros((2, *points.shape[:2]))
     with Workers(asked.threads or available_threads()) as workers:
         levels = levels_of(frame.inside(points), cyclic, workers, FEWEST_CELLS)
-        went = controlled(levels, walls, growth, progress=progress)
+        anew = asked.control != "grid spacing"
+        went = controlled(levels, walls, growth, anew=anew, height_aim=asked.height_aim, progress=progress)
         free = [*(CUT if cyclic else ()), *(wall.side for wall in walls if wall.slides)]
         grid = frame.outside(levels.levels[0].points_without_ghosts, points, free)
     return Found(grid, went.history, went.converged, went.warnings, went.quality)

@@ -34,13 +34,14 @@ FEWEST_CELLS = (16, 24)
 MOST_STEPS = 120
 ROUNDING = 1e-14  # a residual that is none, in a grid of unit size
 LEAN_REACH = 0.5  # a
+RIPPLES = 0.5  # of what a lean that alternates from line to line would need: all of it overshoots beside corners
 GROWTH_REACH = 5.0  # b times the cells from wall to wall
 SHARE = 0.6  # of the promised step
 FIRST_SHARE = 0.8  # of the height's first step, which has no limit of its own: a far smaller height is half the work
 LARGEST_LEAN_STEP, LARGEST_HEIGHT_STEP, LARGEST_CONTROL = 0.4, 0.8, 1.5
-# In the plane, what holds lines upright where an edge of the wall is five times as long as the next, as files of
-# sections have them beside the nose.
-LARGEST_IN_PLANE = 4.0
+# In the plane, what holds lines upright where an edge of the wall is fifty times as long as the next, as polygons with
+# cut corners have them; sections in files have five times beside the nose. On a straight wall the ratio is exp(theta).
+LARGEST_IN_PLANE = 8.0
 # Lines must turn by the corner's angle within so many nodes beside a sharp corner or an end of a wall, and within so
 # many first heights: neither angle nor height are judged there.
 NEAR_CORNER, CORNER_REACH = 2, 2.0
@@ -139,14 +140,14 @@ def from_wall(grid: np.ndarray, side: str) -> np.ndarray:
 
 def tangents(wall: np.ndarray, side: str, sign: float, closed: bool) -> tuple[np.ndarray, float]:
     """(2, n) unit tangents along a side, and 1 if the grid lies to their left, else -1."""
-    ahead, behind, weight, _ = _neighbouring_edges(wall, closed)
+    ahead, behind, weight, _ = neighbouring_edges(wall, closed)
     tangent = weight * ahead + (1 - weight) * behind
     flat = np.hypot(*tangent) < 1e-6
     tangent[:, flat] = np.stack([-ahead[1], ahead[0]])[:, flat]
     return tangent / np.hypot(*tangent), sign * (1.0 if side in ("south", "east") else -1.0)
 
 
-def _neighbouring_edges(wall: np.ndarray, closed: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def neighbouring_edges(wall: np.ndarray, closed: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Unit edges after and before each node, the share of the one in the tangent, and the turn in radians.
 
     The tangent is that of the parabola through three nodes, at a sharp corner the bisector.
@@ -171,7 +172,7 @@ def measured(r: np.ndarray, side: str, sign: float, cyclic: bool) -> Measured:
     height, length = np.hypot(*edge), np.linalg.norm(np.diff(wall, axis=1), axis=0)
     first, last = (length[-1:], length[:1]) if closed else (length[:1], length[-1:])
     spacing = 0.5 * (np.concatenate([length, last]) + np.concatenate([first, length]))
-    sharp = _neighbouring_edges(wall, closed)[3] > SHARP
+    sharp = neighbouring_edges(wall, closed)[3] > SHARP
     counts = _away_from(sharp, np.concatenate([[0.0], np.cumsum(length)]), height, closed)
     if not counts.any():  # better judged too strictly than not at all
         counts[slice(None) if closed else slice(1, -1)] = True
@@ -220,7 +221,7 @@ class WallAmplitudes:
             step = height_step(have.height, self.wall.first_height, first)
             self.growth = limited(self.growth + self.fall * step, self.most)
         if self.leans:
-            self.lean = limited(self.lean + lean_step(have.angle, self.wall.angle), self.most)
+            self.lean = limited(self.lean + slender_lean_step(have, self.wall.angle, self.closed), self.most)
         if self.closed:
             self.growth[-1], self.lean[-1] = self.growth[0], self.lean[0]
 
@@ -279,8 +280,27 @@ def height_step(height: np.ndarray, wanted: float | np.ndarray, first: bool) -> 
 
 def lean_step(angle: np.ndarray, wanted: float | np.ndarray) -> np.ndarray:
     """By how much the amplitude of a lean is to change, for angles in degrees that are wrong."""
-    wrong = np.tan(np.clip(np.radians(wanted - angle), -1.2, 1.2))
-    return SHARE * LEAN_REACH * np.clip(wrong, -LARGEST_LEAN_STEP, LARGEST_LEAN_STEP)
+    return SHARE * LEAN_REACH * np.clip(_tangent(wanted - angle), -LARGEST_LEAN_STEP, LARGEST_LEAN_STEP)
+
+
+def slender_lean_step(have: Measured, wanted: float | np.ndarray, closed: bool) -> np.ndarray:
+    """The same for lines that may be higher than they are apart.
+
+    A lean ``p exp(-d / l)`` that varies along the wall as exp(iks) turns lines that are ``spacing`` apart by
+    ``p / (spacing (1 / l + |k|))``, or if they are longer than the wave by ``p / (spacing height k^2)``: they lean the
+    more, the higher they are, where all of them do, and the less where each leans against the next.
+    """
+    ratio, wrong = have.height / have.spacing, _tangent(wanted - have.angle)
+    ends = (wrong[-2:-1], wrong[1:2]) if closed else (wrong[:1], wrong[-1:])
+    around = np.concatenate([ends[0], wrong, ends[1]])
+    wave = RIPPLES * ratio * (wrong - 0.5 * (around[2:] + around[:-2]))
+    alone = lean_step(have.angle, wanted) / np.maximum(ratio, 1.0)
+    return alone + SHARE * LEAN_REACH * np.clip(wave, -LARGEST_LEAN_STEP, LARGEST_LEAN_STEP)
+
+
+def _tangent(angle: np.ndarray) -> np.ndarray:
+    """Of an angle in degrees, which is large at most."""
+    return np.tan(np.clip(np.radians(angle), -1.2, 1.2))
 
 
 def limited(amplitude: np.ndarray, most: float = LARGEST_CONTROL) -> np.ndarray:
@@ -294,13 +314,19 @@ def controlled(
     growth: np.ndarray,
     *,
     most_steps: int = MOST_STEPS,
+    anew: bool = True,
+    height_aim: float = HEIGHT_AIM,
     progress: Progress = silent,
 ) -> Controlled:
-    """Solve on the finest of ``levels`` with control functions ``growth`` and those that the walls come to need."""
+    """Solve on the finest of ``levels`` with control functions ``growth`` and those that the walls come to need.
+
+    The finest level's grid is improved as it is, unless it is to be found ``anew`` from the coarser ones.
+    """
     finest = levels.levels[0]
     unit = max(finest.residual(), ROUNDING / RESIDUAL_WITHIN)
     levels.set_growth(growth)
-    full_multigrid(levels, 2)
+    if anew:
+        full_multigrid(levels, 2)
     controls = _controls(levels, walls)
     residuals, worst = [unit, finest.residual()], []
     best, damping = (np.inf, None, None), 1.0
@@ -310,12 +336,12 @@ def controlled(
         went = judged(walls, found)
         angle, height = went.angle, went.height
         settled = angle < ANGLE_WITHIN and residuals[-1] < RESIDUAL_WITHIN * unit
-        worst.append(angle / ANGLE_WITHIN + height / HEIGHT_AIM)
+        worst.append(angle / ANGLE_WITHIN + height / height_aim)
         if settled and height < HEIGHT_WITHIN and worst[-1] < best[0]:
             best = worst[-1], went, r.copy()
         if damping == 1 and _stalled(worst, SHORT_PATIENCE):
             damping, worst = DAMPED, worst[-1:]
-        if (settled and height < HEIGHT_AIM) or _stalled(worst, PATIENCE) or step == most_steps:
+        if (settled and height < height_aim) or _stalled(worst, PATIENCE) or step == most_steps:
             break
         theta = growth.copy()
         for control, have in zip(controls, found, strict=True):
@@ -329,6 +355,8 @@ def controlled(
             unit = max(unit, finest.residual())
         safe_cycle(levels, damping=damping)
         residuals.append(finest.residual())
+        if not np.isfinite(residuals[-1]):  # astray, from where no step leads back
+            break
         advance(progress, step / most_steps, f"angle within {angle:.2g} degrees, height within {height:.1%}")
     history = tuple(residual / unit for residual in residuals)
     if best[1] is None:

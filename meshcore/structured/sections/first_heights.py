@@ -69,6 +69,7 @@ def _moved(points: np.ndarray, lacking: np.ndarray) -> np.ndarray:
     length = lengths_along(points)
     fade = np.clip(np.abs(lacking).max() / _FADE, min(_FEWEST, cells - 1), cells - 1)
     share = np.clip(1 - (np.arange(cells + 1) - 1) / fade, 0, 1)
+    share = share**2 * (3 - 2 * share)  # without a kink, which splines through the points would swing about
     share[0] = 1.0
     wanted = length * np.exp(lacking[:, None] * share)
     moved = points.copy()

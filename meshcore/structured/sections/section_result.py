@@ -14,7 +14,8 @@ from ..folds import corner_products, folded_cells, refuse_folds
 from ..layer_report import layers_told, worst_skew
 from .first_heights import WITHIN, with_first_heights
 from .respacing import respaced
-from .section_smoothing import ANGLES, first_heights, smoothed, wall_of
+from .section_smoothing import ANGLES, smoothed
+from .section_walls import first_heights, wall_of
 
 _WORST = "worst scaled jacobian"
 _WORSE = 0.5

@@ -15,6 +15,7 @@ from ..folds import folded_cells, refuse_folds
 from ..poisson.elliptic_problem import Asked, solved
 from ..poisson.wall_control import ANGLE_WITHIN, HEIGHT_WITHIN, RESIDUAL_WITHIN, Wall
 from .first_heights import with_first_heights
+from .section_walls import first_heights, wall_of
 
 ANGLES = "error of wall angles (degree)"
 _HOPELESS = 0.02
@@ -34,8 +35,9 @@ def smoothed(
         The start.
     wall : Wall, optional
         It is held, after a first smoothing if the start has folded cells. If it cannot be held everywhere layers of the
-        start stay, and what is beyond is smoothed. If that folds cells, too, the start stays, or, if that is folded,
-        the first smoothing, whose wall is free.
+        start stay, and what is beyond is smoothed: at the angles at which lines leave these layers, or, if those cannot
+        be held, either, at any. If that folds cells, too, the start stays, or, if that is folded, the first smoothing,
+        whose wall is free.
     cure : str
         What to do about folded cells.
     progress : Progress
@@ -52,20 +54,17 @@ def smoothed(
     """
     free = None
     if wall is None or folded_cells(grid.points[:, :, 0]).any():
-        free = _solved(grid, [], progress)
+        free = _solved(grid, [], progress, control="boundary spacing")
         if wall is None or free is None:
             return _or_start(grid, free, cure)
         lines = with_first_heights(free[0].points[:, :, 0], wall.first_height)
         grid = grid.with_points(lines[:, :, None])
     deeper, made = _deeper(grid), []
-    for stay in (0, *deeper):
-        if (found := _held(grid, wall, stay, progress)) is not None:
+    for stay, left in [(0, False), *((stay, left) for left in (False, True) for stay in deeper)]:
+        if (found := _held(grid, wall, stay, progress, free=left)) is not None:
             made.append(found)
             if found[0] == (0.0, False):
                 break
-    for stay in deeper if not made else ():
-        if (found := _held(grid, wall, stay, progress, free=True)) is not None:
-            return found[1:]
     if made:
         return min(made, key=lambda found: found[0])[1:]
     found, report, warnings = _or_start(grid, free, cure)
@@ -100,9 +99,10 @@ def _held(
     The last layer that stays is the wall there, and is held, or left ``free`` but for first heights. Missed is the
     share of first heights that are wrong, and whether the control has not converged.
     """
+    limits = {"control": "grid spacing", "shares": (1.0,), "give_up": _HOPELESS}
     outside = grid if stay == 0 else replace(grid, points=grid.points[:, stay:], cuts=())
     own = wall if stay == 0 else wall_of(outside, np.ones(len(grid.points)))
-    if (made := _solved(outside, [] if free else [own], progress, shares=(1.0,), give_up=_HOPELESS)) is None:
+    if (made := _solved(outside, [] if free else [own], progress, **limits)) is None:
         return None
     found, report = made
     lines = with_first_heights(found.points[:, :, 0], own.first_height)
@@ -131,24 +131,6 @@ def _solved(
 ) -> tuple[StructuredGrid, Report] | None:
     """The elliptic grid and its report; None if it folds."""
     try:
-        return solved(grid, Asked(control="boundary spacing", walls=walls, **limits), progress)
+        return solved(grid, Asked(walls=walls, height_aim=HEIGHT_WITHIN, **limits), progress)
     except (GenerationFailed, InvalidGeometry):
         return None
-
-
-def wall_of(grid: StructuredGrid, kept: np.ndarray | None) -> Wall:
-    """The first heights of a grid, and right angles but where they are kept."""
-    points = grid.points[:, :, 0]
-    away = points[:, 1] - points[:, 0]
-    height = np.linalg.norm(away, axis=1)
-    if kept is None or not kept.any():
-        return Wall("south", first_height=height)
-    along = np.gradient(points[:, 0], axis=0)
-    cosine = (along * away).sum(axis=1) / (np.linalg.norm(along, axis=1) * height)
-    angle = np.degrees(np.arccos(np.clip(cosine, -1, 1)))
-    return Wall("south", first_height=height, angle=90 + kept * (np.clip(angle, 10, 170) - 90))
-
-
-def first_heights(grid: StructuredGrid, past: int) -> np.ndarray:
-    """(ni,) float: lengths of the first cells of the lines beyond layers that stay."""
-    return np.linalg.norm(grid.points[:, past + 1, 0] - grid.points[:, past, 0], axis=1)

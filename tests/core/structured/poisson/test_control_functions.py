@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 from meshcore.errors import InvalidInput
-from meshcore.structured.poisson.control_functions import Attractor, from_attractors, from_boundary, from_user
+from meshcore.structured.poisson.control_functions import (
+    Attractor,
+    _own,
+    from_attractors,
+    from_boundary,
+    from_grid,
+    from_user,
+)
 from meshcore.structured.poisson.winslow import winslow
 from tests.core.structured.poisson.test_winslow import annulus, between, distance, wavy
 
@@ -85,3 +92,26 @@ def test_lines_come_near_an_attractor():
 def test_impossible_attractors_are_refused(bad):
     with pytest.raises(InvalidInput, match="attractors"):
         Attractor(**bad)
+
+
+def test_the_growth_of_a_whole_grid_keeps_it_if_its_lines_are_orthogonal():
+    angle, radius = np.linspace(0, 1.5, 25)[:, None] ** 1.3, 1.2 ** np.arange(20)
+    points = np.stack([radius * np.cos(-angle), radius * np.sin(-angle)], axis=-1)
+    solution = winslow(points, growth=from_grid(points), tolerance=1e-10)
+    assert solution.converged
+    assert np.abs(solution.points - points).max() < 2e-2 * np.linalg.norm(np.diff(points, axis=1), axis=-1).max()
+    plain = winslow(points, tolerance=1e-10).points
+    assert np.abs(plain - points).max() > 20 * np.abs(solution.points - points).max()
+
+
+@pytest.mark.parametrize("cyclic", [False, True])
+def test_the_growth_of_a_whole_grid_is_smoothed_across_and_kept_along(cyclic):
+    angle, j = np.meshgrid(np.linspace(0, -2 * np.pi, 61), np.arange(30.0), indexing="ij")
+    radius = 5 + np.cumsum((1.1 + 0.02 * np.sin(9 * angle)) ** j, axis=1)
+    points = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=-1)
+    points[-1] = points[0]
+    own, smooth = _own(points, cyclic), from_grid(points, cyclic=cyclic)
+    inner = np.s_[1:-1, 1:-1]
+    assert np.std(smooth[1][inner], axis=0).max() < 0.3 * np.std(own[1][inner], axis=0).max()
+    assert np.abs(smooth[1].mean(axis=0) - own[1].mean(axis=0)).max() < 0.02
+    assert (smooth[:, 0] == smooth[:, -1]).all() or not cyclic
