@@ -37,13 +37,16 @@ def read(path: Path, port_type: Any = None) -> Any:
 
 def check_names(outputs: Iterable[Path | None], inputs: Iterable[Path] = ()) -> None:
     """Refuse an output that is also an input or another output."""
-    taken = {path.resolve() for path in inputs}
+    from ..io.registry import resolved
+
+    taken = {resolved(path) for path in inputs}
     for path in outputs:
         if path is None:
             continue
-        if path.resolve() in taken:
+        place = resolved(path)
+        if place in taken:
             raise InvalidInput(f"{path} is named twice; an output needs a file of its own")
-        taken.add(path.resolve())
+        taken.add(place)
 
 
 def kind_of(mesh: Any) -> str:

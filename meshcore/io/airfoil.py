@@ -14,7 +14,6 @@ Whichever it is, `read` gives one closed loop of line cells, counter-clockwise f
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import numpy as np
@@ -22,92 +21,31 @@ import numpy as np
 from ..errors import InvalidInput
 from ..geometry.curves import is_closed, lines_through, polyline
 from ..mesh import Mesh
-from .content import exact, number, text_of
+from .airfoil_rows import Rows, rows_of_section
+from .content import exact, text_of
 from .fit import Holds
 from .registry import register
-
-_COMMENT = re.compile(r"\s*(#|!|%|//).*|^\s*;.*")
-_SEPARATOR = re.compile(r"[\s,;]+")
 
 
 def read_airfoil(path: Path) -> Mesh:
     """A section as one closed loop of line cells, counter-clockwise from its trailing edge."""
-    title, rows = _rows(text_of(path))
-    points = np.array([row[1:] for row in rows])
-    if len(points) < 3:
-        raise InvalidInput(f"it holds {len(points)} coordinates, a section needs at least three")
-    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
-    if len(bad):
-        raise InvalidInput(f"line {rows[bad[0]][0]}: the coordinates are {points[bad[0]].tolist()}")
-    return _titled(_loop(points, rows), title)
+    rows = rows_of_section(text_of(path))
+    if len(rows.points) < 3:
+        raise InvalidInput(f"it holds {len(rows.points)} coordinates, a section needs at least three")
+    loop = lines_through(_loop(rows), closed=True)
+    return Mesh(loop.points, loop.cells, field_data={"title": np.array([rows.title])})
 
 
-def _titled(points: np.ndarray, title: str) -> Mesh:
-    loop = lines_through(points, closed=True)
-    return Mesh(loop.points, loop.cells, field_data={"title": np.array([title])})
-
-
-def _rows(text: str) -> tuple[str, list[tuple[int, float, float]]]:
-    """The title, and the coordinates with their line numbers; a counts line is checked and left out."""
-    titles: list[str] = []
-    rows: list[tuple[int, float, float]] = []
-    for k, line in enumerate(_without_remarks(text.split("\n")), 1):
-        bare, values = _values(line)
-        if len(values) >= 2 and values[0] is not None and values[1] is not None:
-            if len(values) > 2 and values[2] not in (None, 0.0):
-                if not rows and len(values) == 4:  # MSES names the extent of its grid below the title
-                    continue
-                raise InvalidInput(f"line {k}: {bare!r} has {len(values)} numbers, x and y were expected")
-            rows.append((k, values[0], values[1]))
-        elif rows and values and values[0] is not None:
-            raise InvalidInput(f"line {k}: {bare!r} is half a line, x and y were expected")
-        elif not rows and line.strip():
-            titles.append(line.strip().lstrip("#!%;/ "))
-    if not rows:
-        raise InvalidInput("it holds no lines of two numbers, x and y")
-    return next((t for t in titles if t), ""), _without_counts(rows, has_title=bool(titles))
-
-
-def _values(line: str) -> tuple[str, list[float | None]]:
-    """A line without what is marked as a comment, and the numbers in it; None for other words."""
-    bare = _COMMENT.sub("", line).strip(" \t,;")
-    return bare, [number(word) for word in _SEPARATOR.split(bare)] if bare else []
-
-
-def _without_remarks(lines: list[str]) -> list[str]:
-    """The lines up to prose that stands, by itself, below the last coordinates: numbers in it are none of these."""
-    values = [_values(line)[1] for line in lines]
-    last = max((k for k, row in enumerate(values) if len(row) >= 2 and None not in row), default=len(lines))
-    end = next((k for k in range(last + 1, len(lines)) if not values[k] or values[k][0] is None), len(lines))
-    return lines[:end] if any(None in row for row in values[end:]) else lines
-
-
-def _without_counts(rows: list[tuple[int, float, float]], *, has_title: bool) -> list[tuple[int, float, float]]:
-    """The coordinates alone: a first row that gives the lengths of two blocks, or is a title of two numbers, goes."""
-    line, a, b = rows[0]
-    rest = np.array([row[1:] for row in rows[1:]]).reshape(-1, 2)
-    if len(rest) < 3 or not np.isfinite(rest).all():
-        return rows
-    reach = np.abs(rest).max()
-    if a == int(a) and b == int(b) and min(a, b) >= 2 and max(a, b) > 1.5 * reach:
-        if a + b == len(rest):
-            return rows[1:]
-        if has_title:
-            raise InvalidInput(f"line {line}: it promises {a:g} and {b:g} coordinates, but there are {len(rest)}")
-        return _without_counts(rows[1:], has_title=True)  # a title such as "4412 64"
-    return rows
-
-
-def _loop(points: np.ndarray, rows: list[tuple[int, float, float]]) -> np.ndarray:
+def _loop(rows: Rows) -> np.ndarray:
     """(n, 2) float: different points once round, counter-clockwise from the trailing edge."""
+    points = rows.points
     x = points[:, 0]
     chord = float(np.ptp(x))
-    if (np.abs(points) == 999).all(axis=1).any():
-        raise InvalidInput("it holds several elements (999 999 stands between them); put each into a file of its own")
     if chord == 0:
         raise InvalidInput("all points have the same x, so there is no chord")
+    _check_is_one(rows)
     starts_at_nose = x[0] < x.min() + 0.5 * chord
-    split = _second_block(x, chord)
+    split = rows.first if rows.first and _same_way(x[: rows.first], x[rows.first :]) else _second_block(x, chord)
     if split:
         first, second = points[:split], points[split:]
         points = np.concatenate([first[::-1], second] if starts_at_nose else [first, second[::-1]])
@@ -120,10 +58,42 @@ def _loop(points: np.ndarray, rows: list[tuple[int, float, float]]) -> np.ndarra
         points = points[:-1]
     elif abs(points[-1, 0] - points[0, 0]) > 0.25 * chord:
         raise InvalidInput(
-            f"line {rows[-1][0]}: the section begins at x = {points[0, 0]:g} and ends at x = {points[-1, 0]:g}, so a "
-            "part of it is missing"
+            f"line {rows.lines[-1]}: the section begins at x = {points[0, 0]:g} and ends at x = {points[-1, 0]:g}, so "
+            "a part of it is missing"
         )
     return _counter_clockwise(points)
+
+
+def _check_is_one(rows: Rows) -> None:
+    """`InvalidInput` if the file holds several elements: a separator, blocks that each run round, a second start."""
+    points, lines = rows.points, rows.lines
+    between = (np.abs(points) == 999).all(axis=1)
+    blocks = np.split(points, rows.begins[1:])
+    whole = np.flatnonzero([_runs_round(block) for block in blocks])
+    again = np.flatnonzero((points[3:-3] == points[0]).all(axis=1)) + 3
+    again = again[[_runs_round(points[: k + 1]) and _runs_round(points[k + 1 :]) for k in again.tolist()]]
+    if between.any():
+        where, what = lines[between][0], "999 999 stands between them"
+    elif len(whole) > 1:
+        where, what = lines[rows.begins[whole[1]]], "a second one begins there"
+    elif len(again):
+        where, what = lines[again[0] + 1], "the first one is closed before it"
+    else:
+        return
+    raise InvalidInput(f"line {where}: it holds several elements ({what}); put each into a file of its own")
+
+
+def _runs_round(points: np.ndarray) -> bool:
+    """Whether points go from the rear to the front and back."""
+    if len(points) < 3:
+        return False
+    x = points[:, 0]
+    ends, span = x[[0, -1]], float(np.ptp(x))
+    return bool(ends.min() > x.min() + 0.5 * span and abs(ends[0] - ends[1]) < 0.25 * span)
+
+
+def _same_way(first: np.ndarray, second: np.ndarray) -> bool:
+    return (first[-1] - first[0]) * (second[-1] - second[0]) > 0
 
 
 def _second_block(x: np.ndarray, chord: float) -> int:
@@ -131,10 +101,9 @@ def _second_block(x: np.ndarray, chord: float) -> int:
     step = np.diff(x)
     for k in np.argsort(-np.abs(step), kind="stable")[:4]:
         first, second = x[: k + 1], x[k + 1 :]
-        same_way = (first[-1] - first[0]) * (second[-1] - second[0]) > 0
         if (
             abs(step[k]) > 0.5 * chord
-            and same_way
+            and _same_way(first, second)
             and min(len(first), len(second)) >= 2
             and min(np.ptp(first), np.ptp(second)) > 0.5 * chord
         ):
@@ -145,10 +114,10 @@ def _second_block(x: np.ndarray, chord: float) -> int:
 def _counter_clockwise(points: np.ndarray) -> np.ndarray:
     if len(points) < 3:
         raise InvalidInput(f"it holds {len(points)} different points, a section needs at least three")
-    relative = points - points[0]
+    relative = (points - points[0]) / float(np.ptp(points, axis=0).max())  # squares of large numbers are none
     after = np.roll(relative, -1, axis=0)
     twice_area = float((relative[:, 0] * after[:, 1] - relative[:, 1] * after[:, 0]).sum())
-    if abs(twice_area) <= 1e-12 * float(np.ptp(points, axis=0).max()) ** 2:
+    if abs(twice_area) <= 1e-12:
         raise InvalidInput("the section has no area")
     return points if twice_area > 0 else np.roll(points[::-1], 1, axis=0)
 

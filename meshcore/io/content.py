@@ -78,9 +78,14 @@ def number(word: str) -> float | None:
     >>> number("1.5D-1"), number("wing")
     (0.15, None)
     """
+    if "_" in word:  # Python's own 1_000 is no number in any file format
+        return None
     try:
-        # Python's own 1_000 is no number in any file format.
-        return None if "_" in word else float(_FORTRAN_EXPONENT.sub("e", word))
+        return float(word)
+    except ValueError:
+        pass
+    try:
+        return float(_FORTRAN_EXPONENT.sub("e", word))
     except ValueError:
         return None
 

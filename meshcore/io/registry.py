@@ -59,6 +59,7 @@ def _check_options(format: Format, given: dict[str, Any], known: dict[str, Any])
 
 
 _FORMATS: dict[str, Format] = {}
+_PACKED = {".gz", ".bz2", ".xz", ".zst", ".zip"}
 
 
 def register(
@@ -133,9 +134,13 @@ def read(path: str | os.PathLike, **options: Any) -> AnyMesh:
     """
     path = _as_path(path)
     if not path.exists():
-        raise InvalidInput(f"{path} does not exist{_nearest_file(path)}", parameter="path")
+        raise InvalidInput(f"{path} {_absence(path)}", parameter="path")
     if path.is_dir():
         raise InvalidInput(f"{path} is a folder; give a file in it", parameter="path")
+    if not path.is_file():  # reading a pipe or a device could wait, or go on, for ever
+        raise InvalidInput(f"{path} is a pipe or a device; write it to a file first", parameter="path")
+    if path.suffix.lower() in _PACKED:
+        raise InvalidInput(f"{path.name} is packed; unpack it first", parameter="path")
     format = _format_of(path)
     if format.read is None:
         raise InvalidInput(f"{path.name}: {format.name} can only be written", parameter="path")
@@ -193,7 +198,7 @@ def write(path: str | os.PathLike, mesh: AnyMesh, **options: Any) -> None:
     _check_options(format, options, format.options)
     with _quiet(f"{path.name}:"):
         mesh = fitted(mesh, format.holds, format.name)
-        path = path.resolve()  # a link stays a link, its target is replaced
+        path = resolved(path)  # a link stays a link, its target is replaced
         if path.is_dir():
             raise InvalidInput(f"{path} is a folder; give a file name", parameter="path")
         if not path.parent.is_dir():
@@ -244,6 +249,14 @@ def _as_path(path: Any) -> Path:
         raise InvalidInput(f"needs a file name, got {path!r}", parameter="path") from None
 
 
+def resolved(path: Path) -> Path:
+    """The path without links in it; `InvalidInput` if they run in circles."""
+    try:
+        return path.resolve()
+    except (OSError, RuntimeError):
+        raise InvalidInput(f"{path} is a link that runs in circles", parameter="path") from None
+
+
 def _format_of(path: Path) -> Format:
     extension = path.suffix.lower()
     if extension in _FORMATS:
@@ -254,14 +267,16 @@ def _format_of(path: Path) -> Format:
     raise InvalidInput(f"{path.name}: {what}{guess} are {' '.join(_FORMATS)}", parameter="path")
 
 
-def _nearest_file(path: Path) -> str:
+def _absence(path: Path) -> str:
     if not path.parent.is_dir():
-        return f"; there is no folder {path.parent}"
+        return f"does not exist; there is no folder {path.parent}"
+    if path.is_symlink():
+        return "is a link that leads nowhere"
     try:
         near = difflib.get_close_matches(path.name, os.listdir(path.parent), n=1)
     except OSError:
-        return ""
-    return f"; did you mean {near[0]}?" if near else "; check the name"
+        return "does not exist"
+    return f"does not exist; did you mean {near[0]}?" if near else "does not exist; check the name"
 
 
 def _complaint(path: Path, format: Format, head: bytes, error: BaseException, said: io.StringIO) -> str:
