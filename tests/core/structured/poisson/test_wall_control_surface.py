@@ -23,7 +23,8 @@ def test_a_rolled_up_plane_has_the_planar_grid():
     curved, also = mc.elliptically_smoothed(mc.StructuredGrid(rolled(*np.moveaxis(flat, -1, 0))), **ASKED)
     assert report.converged and also.converged
     expected = rolled(planar.points[..., 0], planar.points[..., 1])
-    assert np.linalg.norm(curved.points - expected, axis=-1).max() < 3e-3  # both stop within a degree and 5 % of the height
+    # Both stop within a degree and 5 % of the height.
+    assert np.linalg.norm(curved.points - expected, axis=-1).max() < 3e-3
     assert also.quality["error of wall angles (degree)"] < 1 and also.quality["error of first heights (%)"] < 5
 
 
