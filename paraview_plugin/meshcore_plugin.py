@@ -983,6 +983,11 @@ def vtk_type_of(content):
       <Documentation>Size of the cells at the trailing edge; by default as the section bends; 0 leaves it
       out.</Documentation>
     </DoubleVectorProperty>
+    <IntVectorProperty name="LawI" label="Law I" command="SetLawI" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="as given"/><Entry value="1" text="uniform"/><Entry value="2" text="geometric"/><Entry value="3" text="hyperbolic tangent"/><Entry value="4" text="hyperbolic sine"/><Entry value="5" text="cosine"/><Entry value="6" text="curvature"/><Entry value="7" text="poisson"/><Entry value="8" text="copied"/></EnumerationDomain>
+      <Documentation>How points stand along each side of the section, from the trailing edge to the
+      nose.</Documentation>
+    </IntVectorProperty>
     <DoubleVectorProperty name="Wake" label="Wake" command="SetWake" number_of_elements="1" default_values="0" panel_visibility="default">
       <DoubleRangeDomain name="range" min="0" max="100"/>
       <Documentation>Length of the wake, in chords; by default as far as the far field; 0 leaves it
@@ -999,6 +1004,11 @@ def vtk_type_of(content):
     <DoubleVectorProperty name="WakeSpacing" label="Wake Spacing" command="SetWakeSpacing" number_of_elements="1" default_values="0" panel_visibility="default">
       <DoubleRangeDomain name="range" min="0"/>
       <Documentation>Length of the wake's first cells; by default as the section's last ones; 0 leaves it
+      out.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="OutflowSpacing" label="Outflow Spacing" command="SetOutflowSpacing" number_of_elements="1" default_values="0" panel_visibility="default">
+      <DoubleRangeDomain name="range" min="0"/>
+      <Documentation>Length of the wake's last cells, at the outflow; by default as they grow to be; 0 leaves it
       out.</Documentation>
     </DoubleVectorProperty>
     <DoubleVectorProperty name="WakeHeight" label="Wake Height" command="SetWakeHeight" number_of_elements="1" default_values="0" panel_visibility="default">
@@ -1032,8 +1042,10 @@ def vtk_type_of(content):
       <Property name="Growth"/>
       <Property name="LeadingSpacing"/>
       <Property name="TrailingSpacing"/>
+      <Property name="LawI"/>
       <Property name="WakeGrowth"/>
       <Property name="WakeSpacing"/>
+      <Property name="OutflowSpacing"/>
       <Property name="WakeHeight"/>
     </PropertyGroup>
     """
@@ -1077,6 +1089,9 @@ class meshcoreCGrid(Operation):
     def SetTrailingSpacing(self, value):
         self.set("trailing_spacing", value or None)
 
+    def SetLawI(self, value):
+        self.set("law_i", ('as given', 'uniform', 'geometric', 'hyperbolic tangent', 'hyperbolic sine', 'cosine', 'curvature', 'poisson', 'copied')[value])
+
     def SetWake(self, value):
         self.set("wake", value or None)
 
@@ -1088,6 +1103,9 @@ class meshcoreCGrid(Operation):
 
     def SetWakeSpacing(self, value):
         self.set("wake_spacing", value or None)
+
+    def SetOutflowSpacing(self, value):
+        self.set("outflow_spacing", value or None)
 
     def SetWakeHeight(self, value):
         self.set("wake_height", value or None)
@@ -1695,6 +1713,11 @@ class meshcoreEllipticSmoothing(Operation):
       <Documentation>Size of the cells at the trailing edge; by default as the section bends; 0 leaves it
       out.</Documentation>
     </DoubleVectorProperty>
+    <IntVectorProperty name="LawI" label="Law I" command="SetLawI" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="as given"/><Entry value="1" text="uniform"/><Entry value="2" text="geometric"/><Entry value="3" text="hyperbolic tangent"/><Entry value="4" text="hyperbolic sine"/><Entry value="5" text="cosine"/><Entry value="6" text="curvature"/><Entry value="7" text="poisson"/><Entry value="8" text="copied"/></EnumerationDomain>
+      <Documentation>How points stand along each side of the section, from the trailing edge to the
+      nose.</Documentation>
+    </IntVectorProperty>
     <DoubleVectorProperty name="Wake" label="Wake" command="SetWake" number_of_elements="1" default_values="0" panel_visibility="default">
       <DoubleRangeDomain name="range" min="0" max="100"/>
       <Documentation>Length of the wake, in chords; by default as far as the far field; 0 leaves it
@@ -1723,6 +1746,7 @@ class meshcoreEllipticSmoothing(Operation):
       <Property name="Growth"/>
       <Property name="LeadingSpacing"/>
       <Property name="TrailingSpacing"/>
+      <Property name="LawI"/>
       <Property name="WakeGrowth"/>
     </PropertyGroup>
     """
@@ -1762,6 +1786,9 @@ class meshcoreHGrid(Operation):
 
     def SetTrailingSpacing(self, value):
         self.set("trailing_spacing", value or None)
+
+    def SetLawI(self, value):
+        self.set("law_i", ('as given', 'uniform', 'geometric', 'hyperbolic tangent', 'hyperbolic sine', 'cosine', 'curvature', 'poisson', 'copied')[value])
 
     def SetWake(self, value):
         self.set("wake", value or None)
@@ -2126,6 +2153,11 @@ class meshcoreExtrudeHyperbolic(Operation):
       <Documentation>Size of the cells at the trailing edge; by default as the section bends; 0 leaves it
       out.</Documentation>
     </DoubleVectorProperty>
+    <IntVectorProperty name="LawI" label="Law I" command="SetLawI" number_of_elements="1" default_values="0" panel_visibility="default">
+      <EnumerationDomain name="enum"><Entry value="0" text="as given"/><Entry value="1" text="uniform"/><Entry value="2" text="geometric"/><Entry value="3" text="hyperbolic tangent"/><Entry value="4" text="hyperbolic sine"/><Entry value="5" text="cosine"/><Entry value="6" text="curvature"/><Entry value="7" text="poisson"/><Entry value="8" text="copied"/></EnumerationDomain>
+      <Documentation>How points stand along each side of the section, from the trailing edge to the
+      nose.</Documentation>
+    </IntVectorProperty>
     <IntVectorProperty name="Cut" label="Cut" command="SetCut" number_of_elements="1" default_values="-1" panel_visibility="advanced">
       <IntRangeDomain name="range" min="-1"/>
       <Documentation>Point of the section where the grid is cut; -1 finds the sharpest.</Documentation>
@@ -2144,6 +2176,7 @@ class meshcoreExtrudeHyperbolic(Operation):
       <Property name="Growth"/>
       <Property name="LeadingSpacing"/>
       <Property name="TrailingSpacing"/>
+      <Property name="LawI"/>
     </PropertyGroup>
     <PropertyGroup label="Advanced">
       <Property name="Cut"/>
@@ -2188,6 +2221,9 @@ class meshcoreOGrid(Operation):
 
     def SetTrailingSpacing(self, value):
         self.set("trailing_spacing", value or None)
+
+    def SetLawI(self, value):
+        self.set("law_i", ('as given', 'uniform', 'geometric', 'hyperbolic tangent', 'hyperbolic sine', 'cosine', 'curvature', 'poisson', 'copied')[value])
 
     def SetCut(self, value):
         self.set("cut", value)

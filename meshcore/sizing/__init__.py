@@ -9,13 +9,14 @@ from .law import Spacing
 from .on_curves import boundary_spacing, curvature_spacing
 from .poisson import poisson
 from .size_field import constant, graded, smallest
-from .spacing import cells_for_growth, cosine, geometric, hyperbolic_tangent, uniform
+from .spacing import cells_for_ends, cells_for_growth, cosine, geometric, hyperbolic_tangent, uniform
 
 __all__ = [
     "Spacing",
     "background_field",
     "boundary_spacing",
     "by_curvature",
+    "cells_for_ends",
     "cells_for_growth",
     "constant",
     "copied",

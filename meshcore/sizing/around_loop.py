@@ -166,7 +166,7 @@ def _respaced(
         raise InvalidInput(
             f"{cells} cells are too few for a loop with {len(stops)} corners; give more", parameter="around"
         )
-    spline = _LoopSpline(loop, stops, closed=not corner.any())
+    spline = LoopSpline(loop, stops, closed=not corner.any())
     fractions = spline.fractions
     density = smoothed_turning(*_spread(fractions[:-1], np.abs(turn), corner), width)
     density = bend * np.maximum(density, 0) / np.abs(turn).sum() + (1 - bend) / len(density)
@@ -184,7 +184,7 @@ def _respaced(
     return np.concatenate(pieces)
 
 
-class _LoopSpline:
+class LoopSpline:
     """Splines from corner to corner of a loop, and places on them by their own lengths.
 
     Where a spline bends much between two points it is longer than its chord, and its parameter runs unevenly.
@@ -215,6 +215,14 @@ class _LoopSpline:
         self.length = offset
         self.fractions /= offset
         self._tables = [(at, true / offset) for at, true in zip(places, lengths, strict=True)]
+
+    def at(self, fractions: np.ndarray) -> np.ndarray:
+        """(m, 2) float: points at fractions (m,) of the whole length, from 0 up to less than 1."""
+        number = np.searchsorted([true[0] for _, true in self._tables], fractions, side="right") - 1
+        found = np.empty((len(fractions), 2))
+        for k in np.unique(number):
+            found[number == k] = self.piece(int(k), fractions[number == k])
+        return found
 
     def piece(self, number: int, fractions: np.ndarray) -> np.ndarray:
         """(m, 2) float: points of a piece at fractions (m,) of the whole length."""

@@ -218,6 +218,65 @@ def cells_for_growth(first: float, ratio: float) -> int:
     return max(1, math.ceil(exact - 1e-9))
 
 
+def cells_for_ends(first: float, last: float, ratio: float) -> int:
+    """Number of cells of a hyperbolic tangent with given end cells, which change by no more than ``ratio``.
+
+    Parameters
+    ----------
+    first, last : float
+        The end cells as fractions of the whole.
+    ratio : float
+        Largest growth from cell to cell either way, greater than 1.
+
+    Returns
+    -------
+    int
+        The least such number; if there is none, as between long end cells, that with the least growth.
+
+    Raises
+    ------
+    InvalidInput
+        If the end cells are not between 0 and 1 together, or ratio is not greater than 1.
+
+    Examples
+    --------
+    >>> cells_for_ends(0.01, 0.1, 1.2)
+    20
+    >>> steps = np.diff(hyperbolic_tangent(20, first=0.01, last=0.1))
+    >>> float((steps[1:] / steps[:-1]).max()) < 1.2
+    True
+    """
+    for name, value in (("first", first), ("last", last)):
+        if not SMALLEST <= number(value, name) <= 1:
+            raise InvalidInput(f"must lie between {SMALLEST:g} and 1, got {value:g}", parameter=name)
+    if first + last > 1:
+        raise InvalidInput(f"is {last:g}, which leaves no room beside a first cell of {first:g}", parameter="last")
+    if number(ratio, "ratio") <= 1:
+        raise InvalidInput(f"must be greater than 1, got {ratio:g}", parameter="ratio")
+
+    def worst(cells: int) -> float:
+        try:
+            steps = np.diff(hyperbolic_tangent(cells, first=first, last=last))
+        except InvalidInput:
+            return np.inf
+        change = steps[1:] / steps[:-1]
+        return float(np.maximum(change, 1 / change).max())
+
+    # Cells that grow from both ends as fast as may be, until they meet, are no more than are needed.
+    rise = math.log(ratio)
+    meet = min(max((last - first + rise) / (2 * rise), 0.0), 1.0)
+    fewest = max(2, math.floor((math.log1p(rise * meet / first) + math.log1p(rise * (1 - meet) / last)) / rise))
+    low, high, tried = fewest - 1, fewest, {}
+    while (tried.setdefault(high, worst(high))) > ratio:
+        if high * min(first, last) > 1:
+            return min(tried, key=tried.get)
+        low, high = high, math.ceil(1.2 * high)
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (low, middle) if worst(middle) <= ratio else (middle, high)
+    return high
+
+
 def _geometric_first(cells: int, growth: float) -> float:
     """The larger end cell of a geometric spacing whose logarithm of the ratio is ``growth`` <= 0."""
     return math.expm1(growth) / math.expm1(cells * growth) if growth else 1 / cells

@@ -23,6 +23,7 @@ class Wake:
     cells: int | None
     growth: float
     spacing: float | None
+    last: float | None
     height: float | None
     angle: float
 
@@ -35,9 +36,10 @@ class Wake:
             If one is no positive number below half the room there is.
         """
         room = {"wake_spacing": (self.spacing, self.length), "wake_height": (self.height, reach)}
+        room |= {"outflow_spacing": (self.last, self.length)}
         for name, (value, whole) in room.items():
             if value is not None and not 0 < value < 0.5 * whole:
-                raise InvalidInput(f"is {value:.6g}, but there is room for {whole:.6g} only", parameter=name)
+                raise InvalidInput(f"is {value:.6g}; give less than half of {whole:.6g}", parameter=name)
         return self
 
 
@@ -92,7 +94,7 @@ def front_of(section: Section, asked: Wake, height: float, growth: float, *, blo
     around, base = (corner_front(section), 0) if block else clockwise_front(section)
     ends = np.linalg.norm(np.diff(around[[0, 1, -2, -1]], axis=0)[::2], axis=1)
     spacing = float(ends.mean()) if asked.spacing is None else asked.spacing
-    line = wake_line(section, asked.length, asked.cells, spacing, asked.growth, asked.angle)
+    line = wake_line(section, asked.length, asked.cells, (spacing, asked.last), asked.growth, asked.angle)
     wake = len(line) - 1
     length = arc_length(line) / arc_length(line)[-1]
     along = height + ((asked.height or height) - height) * length

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Annotated
 
@@ -13,15 +14,17 @@ from ...mesh import Cut, StructuredGrid
 from ...operation import Param, Port, Relative, absolute, operation
 from ...progress import Progress, advance, part_of, silent
 from ...report import Result
+from ...sizing import Spacing
 from ..limits import check_size
 from . import section_parameters as parameters
 from .base_block import base_points, with_base
 from .c_front import Front, Wake, front_of
 from .far_field import OuterCurve, c_shape, given_outer, half_box
 from .lines_out import geometric_lines
-from .section_front import BASE_CELLS, respaced_section
+from .section_front import BASE_CELLS
 from .section_input import GivenSection, section_loop
 from .section_march import layers_within, lines_by
+from .section_points import Points, respaced_section
 from .section_result import finished, scaled_jacobians
 from .unwrapped import paths
 
@@ -49,13 +52,16 @@ def c_grid(
     around: parameters.AroundParam = None,
     leading_spacing: parameters.LeadingParam = None,
     trailing_spacing: parameters.TrailingParam = None,
+    law_i: parameters.LawIParam = "as given",
     wake: parameters.WakeParam = None,
     wake_cells: parameters.WakeCellsParam = None,
     wake_growth: parameters.WakeGrowthParam = 1.2,
     wake_spacing: parameters.WakeSpacingParam = None,
+    outflow_spacing: parameters.OutflowSpacingParam = None,
     wake_height: parameters.WakeHeightParam = None,
     wake_angle: parameters.WakeAngleParam = 0.0,
     base: parameters.BaseParam = "block",
+    spacings: Mapping[str, Spacing] | None = None,
     progress: Progress = silent,
 ) -> Result:
     """Wrap a C-grid of quadrilaterals around a section and its wake.
@@ -102,6 +108,11 @@ def c_grid(
         Cells round the section, which is then resampled on a spline: densely where it bends, with its corners kept.
     leading_spacing, trailing_spacing : Length, optional
         Sizes of the cells at the nose and at the trailing edge.
+    law_i : str
+        Law of the points' spacing along each side from the trailing edge to the nose, see `Spacing`, whose end cells
+        are `trailing_spacing` and `leading_spacing`. "as given" keeps the section's own points, or resamples it as told
+        above; "copied" gives the lower side the spacing of the upper one. Corners are kept: the nearest points move
+        onto them.
     wake : float, optional
         Length of the wake along the chord's direction, in chords.
     wake_cells : int, optional
@@ -109,7 +120,10 @@ def c_grid(
     wake_growth : float
         Cells grow along the wake by no more than this factor, if `wake_cells` is left out.
     wake_spacing : Length, optional
-        Length of the wake's first cells.
+        Length of the wake's first cells; by default the mean of the section's last ones.
+    outflow_spacing : Length, optional
+        Length of the wake's last cells, at the outflow. Along the wake points then stand by a hyperbolic tangent, as
+        wherever a size at an end is asked for, otherwise by constant growth.
     wake_height : Length, optional
         Height of the first cells at the wake's end; from the trailing edge on heights change evenly with the distance.
     wake_angle : float
@@ -118,6 +132,8 @@ def c_grid(
     base : {"block", "wrapped"}
         Behind a blunt trailing edge: a block of its own, whose "imin" is the base, or cells of the one block that go
         round the base to a wake that begins at its middle; at its corners these are skewed by 45 degrees and more.
+    spacings : dict of str to Spacing, optional
+        Laws of single sides, "upper" and "lower", from the trailing edge to the nose. From Python only.
     progress : Progress, optional
         Called with fraction and message.
 
@@ -161,13 +177,14 @@ def c_grid(
     ('section', 'base')
     """
     given = section_loop(section)
-    lengths = (None if x is None else absolute(x, given.diagonal) for x in (leading_spacing, trailing_spacing))
     if around is not None:
         check_size(around + 1, (layers or 1) + 1, parameter="around")
-    shape = respaced_section(Section.of(given.loop), around, *lengths)
+    points = Points.asked(given.diagonal, around, leading_spacing, trailing_spacing, law_i, spacings)
+    shape = respaced_section(Section.of(given.loop), points)
     reach = radius * shape.chord
     height = parameters.wall_height(first_height, y_plus, reynolds, shape.loop, shape.chord, given.diagonal, reach)
-    sizes = (None if x is None else absolute(x, given.diagonal) for x in (wake_spacing, wake_height))
+    lengths = (wake_spacing, outflow_spacing, wake_height)
+    sizes = (None if x is None else absolute(x, given.diagonal) for x in lengths)
     asked = Wake((wake or radius) * shape.chord, wake_cells, wake_growth, *sizes, wake_angle).checked(reach)
     front = front_of(shape, asked, height, growth, block=base == "block")
     curve = _outer_curve(given, shape, outer, far_field, reach, front.end)

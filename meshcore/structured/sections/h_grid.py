@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 from typing import Annotated
 
 import numpy as np
@@ -13,6 +14,7 @@ from ...operation import Port, Relative, operation
 from ...progress import Progress, advance, part_of, silent
 from ...quality import summary, validate
 from ...report import Report, Result
+from ...sizing import Spacing
 from ..folds import refuse_folds
 from ..layer_report import layers_told, worst_skew
 from . import section_parameters as parameters
@@ -22,6 +24,7 @@ from .h_march import lines_of, past_base
 from .h_regions import Region, box_regions, given_regions
 from .h_sides import sides_of
 from .section_march import Lines
+from .section_points import Points
 from .section_result import scaled_jacobians
 from .section_smoothing import smoothed, wall_of
 
@@ -46,9 +49,11 @@ def h_grid(
     around: parameters.AroundParam = None,
     leading_spacing: parameters.LeadingParam = None,
     trailing_spacing: parameters.TrailingParam = None,
+    law_i: parameters.LawIParam = "as given",
     wake: parameters.WakeParam = None,
     wake_growth: parameters.WakeGrowthParam = 1.2,
     flow: parameters.FlowParam = 0.0,
+    spacings: Mapping[str, Spacing] | None = None,
     progress: Progress = silent,
 ) -> Result:
     """Make an H-grid of quadrilaterals round a section in a box: a block above it and a block below.
@@ -92,12 +97,19 @@ def h_grid(
         Cells round the section, which is then resampled on a spline.
     leading_spacing, trailing_spacing : Length, optional
         Sizes of the cells at the nose and at the trailing edge.
+    law_i : str
+        Law of the points' spacing along each side from the trailing edge to the nose, see `Spacing`, whose end cells
+        are `trailing_spacing` and `leading_spacing`. "as given" keeps the section's own points, or resamples it as told
+        above; "copied" gives the lower side the spacing of the upper one. Corners are kept: the nearest points move
+        onto them.
     wake : float, optional
         Length of the box behind the section, in chords.
     wake_growth : float
         Cells grow by no more than this factor along the wake, and ahead of the nose.
     flow : float
         Degrees from the chord, counter-clockwise, to the direction of the box.
+    spacings : dict of str to Spacing, optional
+        Laws of single sides, "upper" and "lower", from the trailing edge to the nose. From Python only.
     progress : Progress, optional
         Called with fraction and message.
 
@@ -127,7 +139,11 @@ def h_grid(
     >>> blocks.names, [cut.name for cut in blocks.cuts]
     (('lower', 'upper'), ['ahead', 'wake'])
     """
-    sides = sides_of(section, around, leading_spacing, trailing_spacing, flow)
+    sides = sides_of(
+        section,
+        flow,
+        lambda diagonal: Points.asked(diagonal, around, leading_spacing, trailing_spacing, law_i, spacings),
+    )
     chord = float(np.linalg.norm(sides.upper.points[-1] - sides.upper.points[0]))
     both = np.vstack([sides.lower.points, sides.upper.points])
     if outer is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -11,10 +12,9 @@ from ...errors import InvalidGeometry
 from ...geometry.curves import Curve, is_closed, polyline, turning
 from ...geometry.plane import Plane, fitted_plane
 from ...geometry.section import Section
-from ...operation import Length, absolute
-from ..limits import check_extent, check_size
-from .section_front import respaced_section
+from ..limits import check_extent
 from .section_input import section_loop
+from .section_points import Points, respaced_section
 
 _STEEP = np.radians(45)
 """Slope from the flow's direction from which on the front of a section counts as a step."""
@@ -70,28 +70,24 @@ class Sides(NamedTuple):
     warnings: list[str]
 
 
-def sides_of(section: Curve, around: int | None, leading: Length | None, trailing: Length | None, flow: float) -> Sides:
+def sides_of(section: Curve, flow: float, asked: Callable[[float], Points]) -> Sides:
     """The sides of a section, or of a slit, turned so that the flow runs along x.
 
     Parameters
     ----------
     section : Curve
         As the user gives it.
-    around : int, optional
-        Cells around it.
-    leading, trailing : Length, optional
-        Sizes of the cells at its nose and trailing edge.
     flow : float
         Degrees from its chord to the flow.
+    asked : callable
+        Takes the diagonal of its bounding box to what is asked of its points.
     """
     points = polyline(section, "section")
     if not is_closed(points) and not _narrow(points):
-        return _slit(points, flow)
+        kept = [] if asked(1.0).given else ["a slit keeps its own points; other spacings were not used"]
+        return _slit(points, flow)._replace(warnings=kept)
     given = section_loop(section)
-    lead, trail = (None if x is None else absolute(x, given.diagonal) for x in (leading, trailing))
-    if around is not None:
-        check_size(around + 1, 2, parameter="around")
-    shape = respaced_section(Section.of(given.loop), around, lead, trail)
+    shape = respaced_section(Section.of(given.loop), asked(given.diagonal))
     loop = shape.loop
     along, base = _turned(shape.direction, flow), shape.lower if shape.edge == "blunt" else None
     if shape.edge == "round" or len(np.flatnonzero(np.abs(turning(loop)) > np.radians(60))) > 3:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated
 
 import numpy as np
@@ -10,19 +11,18 @@ from ...errors import InvalidInput
 from ...geometry.curves import Curve
 from ...geometry.section import Section as SectionShape
 from ...mesh import StructuredGrid
-from ...operation import Param, Port, Relative, absolute, operation
+from ...operation import Param, Port, Relative, operation
 from ...progress import Progress, advance, part_of, silent
 from ...report import Result
-from ...sizing import cells_for_growth, geometric
-from ...sizing.around_loop import respaced_loop
+from ...sizing import Spacing, cells_for_growth, geometric
 from ..limits import check_size
 from . import section_parameters as parameters
 from .far_field import FarField, PolarCurve, box_corners, given_outer
 from .lines_out import check_heights
 from .rays import Section, at_height, paths, ray_directions, to_far_field
-from .section_front import edge_sizes
-from .section_input import section_loop
+from .section_input import GivenSection, section_loop
 from .section_march import lines_by
+from .section_points import Points
 from .section_result import finished, scaled_jacobians
 
 _CURE = "make the section smoother or less re-entrant, move the far field, or give more points around it"
@@ -49,9 +49,11 @@ def o_grid(
     around: parameters.AroundParam = None,
     leading_spacing: parameters.LeadingParam = None,
     trailing_spacing: parameters.TrailingParam = None,
+    law_i: parameters.LawIParam = "as given",
     cut: Annotated[
         int, Param("Point of the section where the grid is cut; -1 finds the sharpest", min=-1, advanced=True)
     ] = -1,
+    spacings: Mapping[str, Spacing] | None = None,
     progress: Progress = silent,
 ) -> Result:
     """Wrap an O-grid of quadrilaterals around a closed section, out to a circle, a box or a given curve.
@@ -96,8 +98,15 @@ def o_grid(
         Cells along i: the section is resampled on a cubic spline, densely where it bends, with its corners kept.
     leading_spacing, trailing_spacing : Length, optional
         Sizes of the cells at the nose and at the cut.
+    law_i : str
+        Law of the points' spacing along each side from the trailing edge to the nose, see `Spacing`, whose end cells
+        are `trailing_spacing` and `leading_spacing`. "as given" keeps the section's own points, or resamples it as told
+        above; "copied" gives the lower side the spacing of the upper one. Corners are kept: the nearest points move
+        onto them.
     cut : int
         Number of the point where i begins; -1 takes the sharpest turn, an airfoil's trailing edge.
+    spacings : dict of str to Spacing, optional
+        Laws of single sides, "upper" and "lower", from the trailing edge to the nose. From Python only.
     progress : Progress, optional
         Called with fraction and message.
 
@@ -137,11 +146,10 @@ def o_grid(
     warnings = list(given.warnings)
     loop = given.begun_at(cut)
     chord, centre = _chord(loop)
-    lead, trail = (None if x is None else absolute(x, given.diagonal) for x in (leading_spacing, trailing_spacing))
     if around is not None:
         check_size(around + 1, (layers or 1) + 1, parameter="around")
-    if around is not None or lead is not None or trail is not None:
-        loop = respaced_loop(loop, around or len(loop), sizes=edge_sizes(loop, lead, trail))
+    asked = Points.asked(given.diagonal, around, leading_spacing, trailing_spacing, law_i, spacings)
+    loop = _on_points(asked, given, loop, cut)
     reach = radius * chord
     height = parameters.wall_height(first_height, y_plus, reynolds, loop, chord, given.diagonal, reach)
     far = PolarCurve(centre, reach)
@@ -164,6 +172,15 @@ def o_grid(
     counts = {"around": grid.cell_shape[0], "layers": grid.cell_shape[1], **changed}
     figures = {"first height": height, **({} if y_plus is None else {"y+": y_plus})}
     return finished(grid, method, None, 0, _CURE, counts, figures, warnings, part_of(progress, 0.8, 1.0))
+
+
+def _on_points(asked: Points, given: GivenSection, loop: np.ndarray, cut: int) -> np.ndarray:
+    """The loop on the points asked for; laws see a blunt edge as C-grids do, unless the cut is the user's own."""
+    shape = SectionShape.of(given.loop)
+    if cut != -1 or not asked.by_law or shape.edge != "blunt":
+        return asked.on(loop)
+    found = asked.on(shape.loop, shape.lower)
+    return np.roll(found, -int(np.argmin(np.abs(found - loop[0]).sum(axis=1))), axis=0)
 
 
 def _chord(loop: np.ndarray) -> tuple[float, np.ndarray]:

@@ -7,60 +7,13 @@ import numpy as np
 from ...errors import InvalidInput
 from ...geometry.curves import arc_length, resampled
 from ...geometry.section import Section
-from ...sizing import cells_for_growth, geometric
-from ...sizing.around_loop import respaced_loop
+from ...sizing import cells_for_ends, cells_for_growth, geometric, hyperbolic_tangent
 from ..limits import check_size
 
 WAKE_BENDS = 0.5
 """Chords over which a wake turns from the trailing edge's bisector to the chord's direction."""
 BASE_CELLS = 2
 """Cells on each half of a blunt base."""
-_LEAST_SIZE = 1e-9
-"""Of the chord: the smallest cell that may be asked for at an edge."""
-
-
-def respaced_section(section: Section, around: int | None, leading: float | None, trailing: float | None) -> Section:
-    """The section on other points, if asked: dense where it bends, cells of given sizes at its edges.
-
-    Parameters
-    ----------
-    section : Section
-        On its own points.
-    around : int, optional
-        Cells; by default as many as it has points.
-    leading, trailing : float, optional
-        Sizes of the cells at nose and trailing edge.
-    """
-    if around is None and leading is None and trailing is None:
-        return section
-    lower = section.lower if section.edge == "blunt" else None
-    sizes = edge_sizes(section.loop, leading, trailing, lower)
-    return Section.of(respaced_loop(section.loop, around or len(section.loop), sizes=sizes))
-
-
-def edge_sizes(
-    loop: np.ndarray, leading: float | None, trailing: float | None, lower: int | None = None
-) -> list[tuple[float, float]]:
-    """Places, as fractions of a loop that begins at its trailing edge, and sizes asked for there.
-
-    Raises
-    ------
-    InvalidInput
-        If a size is not between a billionth and a half of the chord.
-    """
-    length = arc_length(np.vstack([loop, loop[:1]]))
-    away = np.linalg.norm(loop - loop[0], axis=1)
-    nose, chord = int(np.argmax(away)), float(away.max())
-    for name, size in (("leading_spacing", leading), ("trailing_spacing", trailing)):
-        if size is not None and not _LEAST_SIZE * chord < size < 0.5 * chord:
-            raise InvalidInput(
-                f"is {size:.6g}; give a size between {_LEAST_SIZE * chord:.6g} and half the chord, {0.5 * chord:.6g}",
-                parameter=name,
-            )
-    sizes = [] if leading is None else [(nose, leading)]
-    if trailing is not None:
-        sizes += [(at, trailing) for at in (0, lower) if at is not None]
-    return [(float(length[at] / length[-1]), size) for at, size in sizes]
 
 
 def clockwise_front(section: Section) -> tuple[np.ndarray, int]:
@@ -83,7 +36,12 @@ def corner_front(section: Section) -> np.ndarray:
 
 
 def wake_line(
-    section: Section, length: float, cells: int | None, first: float, growth: float, angle: float = 0.0
+    section: Section,
+    length: float,
+    cells: int | None,
+    ends: tuple[float, float | None],
+    growth: float,
+    angle: float = 0.0,
 ) -> np.ndarray:
     """(cells + 1, 2) points from the trailing edge downstream, along its bisector first, then along a given direction.
 
@@ -95,8 +53,8 @@ def wake_line(
         How far it reaches along the chord's direction.
     cells : int, optional
         Cells; by default as many as growth needs.
-    first : float
-        Size of the first cell.
+    ends : (float, float or None)
+        Sizes of the first and of the last cell; that of the last is free if it is None.
     growth : float
         Largest growth of the cells, if `cells` is left out.
     angle : float
@@ -115,11 +73,24 @@ def wake_line(
     side = np.array([-forward[1], forward[0]])
     line = section.tail + x[:, None] * forward + y[:, None] * side
     whole = arc_length(line)[-1]
-    first = min(first, 0.2 * whole)
     check_size((cells or 0) + 1, 2, parameter="wake_cells")
-    if cells is None:
-        cells = max(2, cells_for_growth(first / whole, growth))
-    spacing = geometric(cells, first=first / whole) if cells > 1 else np.array([0.0, 1.0])
+    spacing = _along_wake(cells, min(ends[0] / whole, 0.2), ends[1] and ends[1] / whole, growth)
     found = resampled(np.column_stack([line, 0 * x]), spacing)[:, :2]
     found[0], found[-1] = line[0], line[-1]
     return found
+
+
+def _along_wake(cells: int | None, first: float, last: float | None, growth: float) -> np.ndarray:
+    """(cells + 1,) float: fractions of a wake's length, by constant growth or onto a last cell."""
+    if cells == 1 and last is None:
+        return np.array([0.0, 1.0])
+    if last is None:
+        return geometric(cells or max(2, cells_for_growth(first, growth)), first=first)
+    cells = cells or cells_for_ends(first, last, growth)
+    try:
+        return hyperbolic_tangent(cells, first=first, last=last)
+    except InvalidInput as error:
+        raise InvalidInput(
+            f"{cells} do not fit a first one of {first:.6g} and a last one of {last:.6g} of the wake's length: {error}",
+            parameter="wake_cells",
+        ) from None

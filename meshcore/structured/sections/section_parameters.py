@@ -31,6 +31,20 @@ GrowthParam = Annotated[
 LayersParam = Annotated[
     int | None, Param("Cells from the section out; by default as many as growth needs", min=1, soft_max=500)
 ]
+Law = Literal[
+    "as given",
+    "uniform",
+    "geometric",
+    "hyperbolic tangent",
+    "hyperbolic sine",
+    "cosine",
+    "curvature",
+    "poisson",
+    "copied",
+]
+LawIParam = Annotated[
+    Law, Param("How points stand along each side of the section, from the trailing edge to the nose", group="Spacing")
+]
 AroundParam = Annotated[int | None, Param("Cells around the section; by default its own points", min=3, soft_max=1000)]
 LeadingParam = Annotated[
     Length | None, Param("Size of the cells at the nose; by default as the section bends", group="Spacing")
@@ -49,6 +63,10 @@ WakeGrowthParam = Annotated[
 ]
 WakeSpacingParam = Annotated[
     Length | None, Param("Length of the wake's first cells; by default as the section's last ones", group="Spacing")
+]
+OutflowSpacingParam = Annotated[
+    Length | None,
+    Param("Length of the wake's last cells, at the outflow; by default as they grow to be", group="Spacing"),
 ]
 WakeHeightParam = Annotated[
     Length | None, Param("Height of the cells at the wake's end; by default as at the section", group="Spacing")
