@@ -22,6 +22,7 @@ from .cgns_joins import joins_of
 from .cgns_nodes import AXES, Node, read_nodes
 from .cgns_polyhedra import are_polyhedra, read_polyhedra
 from .fit import warn_dropped
+from .joined_polyhedra import joined_polyhedra
 from .vtk_data import joined
 
 _DATA = {"Vertex": "point_data", "CellCenter": "cell_data"}
@@ -31,7 +32,8 @@ Part = Union[Mesh, PolyhedralMesh, StructuredGrid]
 def read_cgns(path: Path, *, base: str = "") -> Union[Part, MultiBlock]:
     """One structured zone as a grid, several as a `MultiBlock`, any other as a `Mesh` or `PolyhedralMesh`.
 
-    A mesh of several zones has a set for each; their connections are not glued.
+    A mesh of several zones has a set for each, and polyhedra the number of each cell's zone as data; their connections
+    are not glued.
 
     Parameters
     ----------
@@ -53,11 +55,10 @@ def read_cgns(path: Path, *, base: str = "") -> Union[Part, MultiBlock]:
         return bounded(blocks, [zone.name for zone in zones], conditions, joins_of(zones, blocks))
     if len(parts) == 1:
         return parts[0]
-    if odd := [zone.name for zone, part in zip(zones, parts, strict=True) if isinstance(part, PolyhedralMesh)]:
-        raise InvalidInput(
-            f"the zone {odd[0]!r} holds polyhedra and is not alone; put each zone into a file of its own"
-        )
-    return joined({zone.name: part for zone, part in zip(zones, parts, strict=True)})
+    named = {zone.name: part for zone, part in zip(zones, parts, strict=True)}
+    if any(isinstance(part, PolyhedralMesh) for part in parts):
+        return joined_polyhedra(named)
+    return joined(named)
 
 
 def _base(root: Node, name: str) -> Node:

@@ -264,8 +264,8 @@ def joined(parts: dict[str, Mesh | StructuredGrid]) -> Mesh:
     for k, (name, m) in enumerate(meshes.items()):
         where = first[k][_order(m, list(kinds))]
         sets.update({f"{name}/{inner}": where[members] for inner, members in m.sets.items()})
-    point_data = _common([m.point_data for m in meshes.values()], "point data")
-    cell_data = _common([m.cell_data for m in meshes.values()], "cell data")
+    point_data = common_data([m.point_data for m in meshes.values()], "point data")
+    cell_data = common_data([m.cell_data for m in meshes.values()], "cell data")
     back = np.argsort(place)
     return Mesh(
         np.concatenate([m.points for m in meshes.values()]),
@@ -285,7 +285,8 @@ def _order(mesh: Mesh, kinds: list[str]) -> np.ndarray:
     return place
 
 
-def _common(parts: list[dict[str, np.ndarray]], what: str) -> dict[str, np.ndarray]:
+def common_data(parts: list[dict[str, np.ndarray]], what: str) -> dict[str, np.ndarray]:
+    """Arrays that all parts have alike, one part after the other; the others are left out, told."""
     names = dict.fromkeys(name for data in parts for name in data)
     kept = {}
     for name in names:

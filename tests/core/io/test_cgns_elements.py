@@ -12,7 +12,7 @@ import pytest
 
 import meshcore as mc
 from meshcore.io.cgns_kinds import ELEMENTS, NFACE, NGON
-from meshcore.io.cgns_nodes import Node, write_nodes
+from meshcore.io.cgns_nodes import Node, read_nodes, write_nodes
 from meshcore.mesh.cells import CELL_TYPES
 from tests.core.io.round_trip import grid, same, volume
 from tests.core.io.test_cgns import vtk_output
@@ -260,6 +260,72 @@ def test_faces_that_each_cell_lists_for_itself(tmp_path):
     found = as_read(tmp_path / "a.cgns", zone_of(mesh.points, sections, len(cells))[0])
     assert found.cells["hexahedron"].shape == (4, 8)
     assert mc.quality.measure(found, "volume").sum() == pytest.approx(mesh.volumes.sum())
+
+
+def bare(mesh):
+    """A mesh without data."""
+    return replace(mesh, point_data={}, cell_data={})
+
+
+def zones_together(folder, *meshes):
+    """A base with the zones of several meshes, each as it is written alone."""
+    base = Node("Base", "CGNSBase_t", np.array([meshes[0].dimension, 3], np.int32))
+    for k, mesh in enumerate(meshes):
+        mc.io.write(folder / "one.cgns", mesh)
+        for zone in next(read_nodes(folder / "one.cgns").of("CGNSBase_t")).of("Zone_t"):
+            zone.name = f"zone {k}"
+            base.children.append(zone)
+    return base
+
+
+def test_polyhedra_of_several_zones_are_one_mesh(tmp_path):
+    """Other solid cells beside them become polyhedra; all volumes, neighbours and data are those of the zones."""
+    cells, _ = mc.voronoi_3d(np.random.default_rng(3).random((12, 3)))
+    cells = cells.with_cell_data(site=np.arange(12.0)).with_point_data(u=cells.points[:, 0])
+    solids = volume().with_cell_data(site=np.arange(volume().n_cells) + 100.0).with_point_data(u=volume().points[:, 1])
+    grid = mc.StructuredGrid(np.stack(np.meshgrid([5, 6, 7], [0, 1], [0, 2], indexing="ij"), -1))
+    parts = [cells, solids, grid]
+    with pytest.warns(mc.io.FormatWarning, match="not all blocks have it alike"):  # the grid has no data
+        found = as_read(tmp_path / "a.cgns", zones_together(tmp_path, *parts))
+    assert isinstance(found, mc.PolyhedralMesh)
+    assert found.field_data["zone names"].tolist() == ["zone 0", "zone 1", "zone 2"]
+    volumes = [cells.volumes, mc.quality.measure(solids, "volume"), [2.0, 2.0]]
+    expected = np.repeat(np.arange(3), [len(of_zone) for of_zone in volumes])
+    np.testing.assert_array_equal(found.cell_data["zone"], expected)
+    np.testing.assert_allclose(found.volumes, np.concatenate(volumes), rtol=1e-12)
+    facets = solids.facets
+    pairs = [cells.neighbours, np.stack([facets.owner, facets.neighbour], 1)[facets.neighbour >= 0]]
+    inner = {frozenset(pair) for pair in found.neighbours.tolist()}
+    shifted = {
+        frozenset(n + start for n in pair) for some, start in zip(pairs, (0, 12), strict=True) for pair in some.tolist()
+    }
+    last = found.n_cells - 2
+    assert inner == shifted | {frozenset({last, last + 1})}
+    both = as_read(tmp_path / "b.cgns", zones_together(tmp_path, cells, solids))
+    np.testing.assert_array_equal(both.cell_data["site"], [*range(12), *range(100, 100 + solids.n_cells)])
+    np.testing.assert_array_equal(both.point_data["u"], np.concatenate([cells.points[:, 0], solids.points[:, 1]]))
+
+
+def test_polygons_of_several_zones_are_one_mesh(tmp_path):
+    few = mc.Mesh(
+        [[3, 0, 0], [4, 0, 0], [4, 1, 0], [3, 1, 0], [5, 0, 0]], {"quad": [[0, 1, 2, 3]], "triangle": [[1, 4, 2]]}
+    )
+    found = as_read(tmp_path / "a.cgns", zones_together(tmp_path, bare(flat()), few))
+    np.testing.assert_allclose(found.volumes, [*flat().volumes, 1, 0.5])
+    assert found.cell_data["zone"].tolist() == [0] * flat().n_cells + [1, 1]
+
+
+def test_zones_that_do_not_go_with_polyhedra(tmp_path):
+    cells = bare(mc.voronoi_3d(np.random.default_rng(3).random((12, 3))).mesh)
+    curved = mc.Mesh(np.random.default_rng(0).random((10, 3)), {"tetra10": [range(10)]})
+    with pytest.raises(mc.InvalidInput, match="'zone 1' has tetra10 cells"):
+        as_read(tmp_path / "a.cgns", zones_together(tmp_path, cells, curved))
+    with pytest.raises(mc.InvalidInput, match="'zone 0' has polygons"):
+        as_read(tmp_path / "a.cgns", zones_together(tmp_path, bare(flat()), cells))
+    named = mc.Mesh(volume().points, volume().cells | {"triangle": [volume().cells["tetra"][0][:3]]})
+    named = replace(named, sets={"wall": [named.n_cells - 1]})
+    with pytest.warns(mc.io.FormatWarning, match="'zone 1/wall' left out: a PolyhedralMesh has no sets"):
+        as_read(tmp_path / "a.cgns", zones_together(tmp_path, cells, named))
 
 
 def cube(**changes: tuple) -> Node:
