@@ -20,7 +20,7 @@ from . import section_parameters as parameters
 from .far_field import FarField, PolarCurve, box_corners, given_outer
 from .lines_out import check_heights
 from .rays import Section, at_height, paths, ray_directions, to_far_field
-from .section_input import GivenSection, section_loop
+from .section_input import GivenSection, section_loop, with_own_outer
 from .section_march import lines_by
 from .section_points import Points
 from .section_result import finished, scaled_jacobians
@@ -72,7 +72,8 @@ def o_grid(
     Parameters
     ----------
     section : Mesh or (n, 3) float
-        The closed loop, in a plane of any attitude. A narrow gap at the trailing edge is closed.
+        The closed loop, in a plane of any attitude. A narrow gap at the trailing edge is closed. A mesh of two loops,
+        one round the other, is the section and its `outer`.
     outer : Mesh or (m, 3) float, optional
         A far field of your own: a closed curve that can be seen whole from mid-chord.
     far_field : {"circle", "box"}
@@ -142,6 +143,8 @@ def o_grid(
     >>> grid, grid.names["jmin"]
     (StructuredGrid(25 x 9 points), 'wall')
     """
+    section, own_outer = with_own_outer(section) if outer is None else (section, None)
+    outer = own_outer if outer is None else outer
     given = section_loop(section)
     warnings = list(given.warnings)
     loop = given.begun_at(cut)

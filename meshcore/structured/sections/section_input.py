@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ...errors import InvalidGeometry, InvalidInput
-from ...geometry.curves import Curve, is_closed, numbered_polyline, turning
+from ...geometry.curves import Curve, chains, is_closed, numbered_polyline, turning
 from ...geometry.plane import Plane, fitted_plane
 from ...geometry.section import doubled_area
+from ...mesh import Mesh
+from ...mesh.extent import bounds
 from ..crossings import TOUCH, refuse_crossings
 from ..limits import check_extent
 
@@ -58,6 +60,30 @@ class GivenSection:
         else:
             raise InvalidInput(f"{cut} is no point of the section; -1 finds the sharpest", parameter="cut")
         return np.roll(self.loop, -start, axis=0)
+
+
+def with_own_outer(section: Curve) -> tuple[Curve, Curve | None]:
+    """A section, and the curve round it if the mesh has both: two closed loops, one in the other's box.
+
+    Examples
+    --------
+    >>> from meshcore import gallery
+    >>> with_own_outer(gallery.airfoil_in_far_field("naca0012", outer=32))
+    (Mesh(101 points, 69 line), Mesh(101 points, 32 line))
+    """
+    pieces = chains(section) if isinstance(section, Mesh) and len(section.get("line")) else []
+    if len(pieces) != 2 or any(piece[0] != piece[-1] for piece in pieces):
+        return section, None
+    boxes = [bounds(section.points[piece]) for piece in pieces]
+    for (inner, outer), (box, round_it) in ((pieces, boxes), (pieces[::-1], boxes[::-1])):
+        if (box[0] > round_it[0]).any() and (box[0] >= round_it[0]).all() and (box[1] <= round_it[1]).all():
+            return _alone(section, inner), _alone(section, outer)
+    return section, None
+
+
+def _alone(mesh: Mesh, piece: np.ndarray) -> Mesh:
+    """One of a mesh's curves; its points keep their numbers."""
+    return replace(mesh, cells={"line": np.column_stack([piece[:-1], piece[1:]])}, cell_data={}, sets={})
 
 
 def section_loop(curve: Curve) -> GivenSection:

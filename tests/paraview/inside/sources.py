@@ -24,6 +24,15 @@ def check_airfoil_in_its_far_field():
     np.testing.assert_allclose(np.hypot(circle[:, 0] - 0.5, circle[:, 1]), 5, rtol=1e-2)
 
 
+def check_an_airfoil_in_its_far_field_is_all_that_an_o_grid_needs():
+    """The circle is its outer curve, as if both came from sources of their own."""
+    dataset = fetched(pv.meshcoreOGrid(Section=pv.meshcoreAirfoil(Section="naca0012", FarField=5, FarFieldPoints=90)))
+    circle = gallery.circle(90, radius=5, centre=(0.5, 0))
+    expected = meshcore.o_grid(gallery.airfoil("naca0012"), circle).mesh
+    assert dataset.GetClassName() == "vtkStructuredGrid"
+    np.testing.assert_allclose(content(dataset)[0], expected.flat(expected.points), atol=1e-9)
+
+
 def check_airfoil_from_a_file_of_the_users_own():
     path = OUT / "own.dat"
     rows = [(1, 0), (0.5, 0.06), (0, 0), (0.5, -0.05), (1, 0)]

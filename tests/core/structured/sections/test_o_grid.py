@@ -331,3 +331,28 @@ def test_layers_of_a_march_grow_evenly_on_every_line(name):
     # A march holds areas: a line from a sharp trailing edge had layers of 1e-3, 1.7e-4, 8e-4.
     _, report = mc.o_grid(gallery.airfoil(name), method="hyperbolic")
     assert report.quality["largest growth"] < 1.2
+
+
+@pytest.mark.parametrize("order", ["section first", "far field first"])
+@pytest.mark.parametrize("turn", [np.eye(4), np.eye(4)[[1, 2, 0, 3]]])
+def test_two_loops_of_one_mesh_are_a_section_and_its_far_field(order, turn):
+    section, circle = gallery.airfoil("naca0012").transformed(turn), gallery.circle(60, radius=4).transformed(turn)
+    both = gallery.joined(*([section, circle] if order == "section first" else [circle, section]))
+    grid, _ = mc.o_grid(both, layers=12)
+    np.testing.assert_array_equal(grid.points, mc.o_grid(section, circle, layers=12).mesh.points)
+    assert np.linalg.norm(grid.points[:, -1, 0], axis=1) == pytest.approx(4, rel=0.01)
+
+
+def test_faults_of_a_section_in_its_far_field_have_its_own_numbers():
+    loop = lines_through(np.array([[1, 0.1], [0, -0.1], [0, 0.1], [1, -0.1]]), closed=True)  # crosses itself
+    with pytest.raises(InvalidGeometry, match="section") as caught:
+        mc.o_grid(gallery.joined(gallery.circle(30, radius=4), loop))
+    assert set(caught.value.points) <= set(range(30, 34)) and len(caught.value.points)
+
+
+def test_loops_beside_each_other_are_no_section():
+    both = gallery.joined(gallery.circle(20), gallery.circle(20, centre=(1.5, 0)))
+    with pytest.raises(InvalidGeometry, match="one chain"):
+        mc.o_grid(both)
+    with pytest.raises(InvalidGeometry, match="one chain"):  # an outer curve is given
+        mc.o_grid(gallery.airfoil_in_far_field("naca0012"), gallery.circle(30, radius=20))
