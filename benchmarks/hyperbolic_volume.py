@@ -23,6 +23,7 @@ from meshcore.structured.marching.front_graph import FrontGraph
 from meshcore.structured.marching.layer_marching import first_normals, marched
 from meshcore.structured.marching.layer_surface import read_surface
 from meshcore.structured.marching.marching_parameters import asked_heights
+from tests.named_sides import solid
 from tests.surfaces import random_surfaces
 
 SPEED = Target(0.5, 1.0)  # million points a second; the aim is meant for two threads
@@ -124,7 +125,7 @@ def corners(n: int) -> None:
         begun = time.process_time()
         mesh, report = mc.hyperbolic_volume(surface, **asked, threads=2)
         seconds = time.process_time() - begun
-        folded = int((quality.measure(mesh, "jacobian") <= 0).sum())
+        folded = int((quality.measure(solid(mesh), "jacobian") <= 0).sum())
         graph = read_surface(surface).graph
         layers = mesh.points.reshape(-1, *graph.points.shape)
         angle, height = held(graph, layers, asked_heights(1e-4, 1.15, 60, 5.0, None, diagonal=1.0))

@@ -1,5 +1,6 @@
 """Slow, obvious twins of the kernels of layers marched from surfaces."""
 
+import itertools
 from fractions import Fraction
 
 import numpy as np
@@ -68,6 +69,37 @@ def corner_volumes(below, above, found):
                 values.append(np.linalg.det(edges) / np.prod(np.linalg.norm(edges, axis=1)))
         least.append(min(values))
     return np.array(least)
+
+
+def best_seen(faces):
+    """Largest sine that any line has above all of (m, 3) unit normals' faces: two or three of them hold the best."""
+    best = -1.0
+    for held in [*itertools.combinations(faces, 2), *itertools.combinations(faces, 3)]:
+        line = sum(held) if len(held) == 2 else np.cross(held[0] - held[1], held[0] - held[2])
+        seen = faces @ line / max(np.linalg.norm(line), 1e-300)
+        best = max(best, seen.min(), -seen.max())
+    return best
+
+
+def shares(wall, below, above, found):
+    """For each node the sines of its corners, of both layers, over those of the wall's faces."""
+    least = []
+    for i, (ring, opened) in enumerate(found):
+        up, values = above[i] - below[i], []
+        for layer in (below, above):
+            for a, b in corners(ring, opened):
+                one, two = wall[a] - wall[i], wall[b] - wall[i]
+                flat = np.linalg.norm(np.cross(one, two)) / np.linalg.norm(one) / np.linalg.norm(two)
+                edges = np.array([layer[a] - layer[i], layer[b] - layer[i], up])
+                values.append(np.linalg.det(edges) / np.prod(np.linalg.norm(edges, axis=1)) / flat)
+        least.append(np.array(values))
+    return least
+
+
+def repair_cost(wall, below, above, target, height, found):
+    """Sum over all corners of exp(-10 share), and of 0.3 of the squared ways from the target in heights."""
+    total = sum(np.exp(np.minimum(-10 * values, 50)).sum() for values in shares(wall, below, above, found))
+    return total + 0.3 * ((above - target) ** 2).sum() / height**2
 
 
 def area_vectors(points, weights, seen):

@@ -12,8 +12,10 @@ import numpy as np
 from ..._numba import kernel
 
 U = np.uint64
-SEEN = 0.05  # sine above the faces around below which a better direction is looked for
-ROUNDS = 40
+SEEN = 0.5  # sine above all faces around that lines have, if any line does
+ENOUGH = 0.999  # of that
+ALIKE = 1e-6  # sines that do not differ
+ROUNDS = 40  # of search for such a line, and twice as many for the best one if there is none
 CONVEX = 0.05  # part of the dissipation that is left where the front widens
 FAR = 0.1  # the same for the part that grows with the distance from the wall
 FADE = 0.8  # of dissipation from a node to its neighbours, each step, near the wall
@@ -51,7 +53,10 @@ def held_vector(held, projectors, i, x, y, z):
 
 @kernel
 def lowest(points, start, ring, opened, i, x, y, z):
-    """The corner at node i that a unit vector sees least, its cosine to that corner's normal, and this normal."""
+    """The cosine of a unit vector to the corner at node i that it sees least, and this corner's unit normal.
+
+    Of several that it sees alike it is the normal of all of them, lest symmetric corners get lines that are not.
+    """
     begin = start[U(i)]
     count = start[U(i + 1)] - begin
     least, wx, wy, wz = 2.0, 0.0, 0.0, 0.0
@@ -62,18 +67,26 @@ def lowest(points, start, ring, opened, i, x, y, z):
         size = math.sqrt(cx * cx + cy * cy + cz * cz)
         if size > 0:
             cosine = (cx * x + cy * y + cz * z) / size
-            if cosine < least:
-                least, wx, wy, wz = cosine, cx / size, cy / size, cz / size
+            if cosine < least - ALIKE:
+                wx, wy, wz = 0.0, 0.0, 0.0
+            if cosine < least + ALIKE:
+                wx, wy, wz = wx + cx / size, wy + cy / size, wz + cz / size
+                least = min(least, cosine)
+    size = math.sqrt(wx * wx + wy * wy + wz * wz)
+    if size > 0:
+        wx, wy, wz = wx / size, wy / size, wz / size
     return least, wx, wy, wz
 
 
 @kernel
-def normals(first, last, points, start, ring, opened, held, projectors, normal):
+def normals(first, last, points, start, ring, opened, held, projectors, seen, normal):
     """Unit normals at nodes: the corners' normals weighted by sine over the product of the edges' lengths.
 
     On a sphere they are radial whatever the mesh is (N. Max, "Weights for computing vertex normals from facet
-    normals", J. Graphics Tools 4, 1999). Where one does not see a face from outside, it is turned towards the face
-    that it sees least until it does (the rule of the perceptron), if any direction sees them all.
+    normals", J. Graphics Tools 4, 1999). One that is less than ``seen`` above a face, by its sine, is put just that far
+    above the face that it sees least, again and again (S. Kaczmarz, 1937), so that it turns no more than it must. If it
+    does not come above all of them so, it is turned towards them by ever less (the rule of the perceptron), which ends
+    near the line that sees all faces best; the best of these is taken.
     """
     for i in range(first, last):
         begin = start[U(i)]
@@ -92,11 +105,11 @@ def normals(first, last, points, start, ring, opened, held, projectors, normal):
         if size > 0:
             x, y, z = x / size, y / size, z / size
         least, wx, wy, wz = lowest(points, start, ring, opened, i, x, y, z)
-        if least < SEEN:
+        if least < seen:
             best, bx, by, bz = least, x, y, z
-            for k in range(ROUNDS):
-                weight = 1.0 / (1 + k)
-                x, y, z = held_vector(held, projectors, i, x + weight * wx, y + weight * wy, z + weight * wz)
+            for k in range(3 * ROUNDS):
+                more = seen - least if k < ROUNDS else 1.0 / (1 + k - ROUNDS)
+                x, y, z = held_vector(held, projectors, i, x + more * wx, y + more * wy, z + more * wz)
                 size = math.sqrt(x * x + y * y + z * z)
                 if size == 0:
                     break
@@ -104,6 +117,8 @@ def normals(first, last, points, start, ring, opened, held, projectors, normal):
                 least, wx, wy, wz = lowest(points, start, ring, opened, i, x, y, z)
                 if least > best:
                     best, bx, by, bz = least, x, y, z
+                if k < ROUNDS and least >= ENOUGH * seen:
+                    break
             x, y, z = bx, by, bz
         normal[U(i), 0] = x
         normal[U(i), 1] = y

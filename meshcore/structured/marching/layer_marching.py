@@ -16,6 +16,7 @@ from .front_bends import blind_node, concave_curvature
 from .front_edges import Hold, free_edges
 from .front_graph import FrontGraph
 from .layer_equations import LayerEquations
+from .layer_repair import repair
 
 
 class Scheme(NamedTuple):
@@ -27,16 +28,20 @@ class Scheme(NamedTuple):
         Coefficients of dissipation.
     sharing : float
         Part of the volume smoothing.
+    seen : float
+        Sine above all faces that lines are to have where they can.
     """
 
     base: float
     growing: float
     sharing: float
+    seen: float = kernels.SEEN
 
 
-CALM, MILD = Scheme(0.02, 0.0, 0.0), Scheme(1.0, 0.5, 0.0)
+CALM, MILD = Scheme(0.02, 0.0, 0.0, 0.05), Scheme(1.0, 0.5, 0.0)
 """Where lines spread, heights are kept at each point. Dissipation would only draw layers off sharp tips: with that of
-`FIRM` those of a wing's tip fold after 46 of 60, without after none."""
+`FIRM` those of a wing's tip fold after 43 of 60, without after none; and lines that stand higher above its faces than
+they must bring it no farther than 53."""
 FIRM, HARD = Scheme(10.0, 5.0, 1.0), Scheme(40.0, 20.0, 1.0)
 """Where they meet, lines are bent and volumes kept."""
 MEETING = 0.1
@@ -85,7 +90,7 @@ def first_normals(graph: FrontGraph) -> np.ndarray:
     """(n, 3) float: unit normals of the surface at its nodes."""
     hold, normal = free_edges(graph), np.empty_like(graph.points)
     ring = (graph.start, graph.ring, graph.opened)
-    kernels.normals(0, len(normal), graph.points, *ring, hold.row, hold.projectors, normal)
+    kernels.normals(0, len(normal), graph.points, *ring, hold.row, hold.projectors, kernels.SEEN, normal)
     return normal
 
 
@@ -195,29 +200,49 @@ class _March:
             if not self._layer(layers[k], layers[k + 1], height, distance):
                 self.outcome.stopped_at = int(np.argmin(self.worst))
                 return layers[: k + 1].copy()
+            self.outcome.worst = min(self.outcome.worst, float(self.worst.min()))
             distance += height
         return layers
 
     def _layer(self, below: np.ndarray, above: np.ndarray, height: float, distance: float) -> bool:
-        """Fill ``above`` with the next layer; False if cells would fold."""
-        zone = self.zone.copy()
+        """Fill ``above`` with the next layer; False if cells would fold.
+
+        Smaller steps with more dissipation come first, repairs last: the march goes on from what is smooth.
+        """
+        zone, folded = self.zone.copy(), []
         for halving in range(HALVINGS + 1):
             self.zone[:] = zone
-            front, done, steps = below, 0.0, 0
-            while done < 1 - 1e-9 and steps < _MOST_STEPS:
-                part = min(1 - done, 0.5**halving)
-                front, part = self._step(front, height, part, distance + done * height, 2.0**halving)
-                if part == 0:
-                    break
-                done += part
-                steps += 1
-            self.outcome.steps += steps
+            front, done = self._steps(below, height, distance, halving)
             above[:] = front
-            self._run(kernels.corner_volumes, STUCK * height, below, above, *self.topology, self.worst)
-            if done >= 1 - 1e-9 and self.worst.min() > SOUND:
-                self.outcome.worst = min(self.outcome.worst, float(self.worst.min()))
+            sound = self._is_sound(below, above, height)
+            if done and sound:
+                return True
+            if done:
+                folded.append(front)
+        for front in folded:
+            above[:] = front
+            repair(self.graph, self.hold, below, above, height)
+            if self._is_sound(below, above, height):
                 return True
         return False
+
+    def _steps(self, below: np.ndarray, height: float, distance: float, halving: int) -> tuple[np.ndarray, bool]:
+        """The front after a layer's height in steps that are halved so often, and whether it came so far."""
+        front, done, steps = below, 0.0, 0
+        while done < 1 - 1e-9 and steps < _MOST_STEPS:
+            part = min(1 - done, 0.5**halving)
+            front, part = self._step(front, height, part, distance + done * height, 2.0**halving)
+            if part == 0:
+                break
+            done += part
+            steps += 1
+        self.outcome.steps += steps
+        return front, done >= 1 - 1e-9
+
+    def _is_sound(self, below: np.ndarray, above: np.ndarray, height: float) -> bool:
+        """Whether no cell folds between two layers, and all nodes have moved."""
+        self._run(kernels.corner_volumes, STUCK * height, below, above, *self.topology, self.worst)
+        return self.worst.min() > SOUND
 
     def _step(
         self, front: np.ndarray, height: float, part: float, distance: float, factor: float
@@ -258,7 +283,7 @@ class _March:
 
     def _find_normals(self, front: np.ndarray) -> None:
         self.hold.aim(front)
-        self._run(kernels.normals, front, *self.topology, *self.held, self.normal)
+        self._run(kernels.normals, front, *self.topology, *self.held, self.scheme.seen, self.normal)
         self.hold.lean(front, self.normal)
         self.hold.images.set_vectors(self.normal)
 

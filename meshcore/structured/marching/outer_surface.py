@@ -294,7 +294,7 @@ def _weights(graph: FrontGraph, hold: Hold) -> csr_matrix:
     topology = (graph.start, graph.ring, graph.opened)
     normal, weight = np.zeros((n, 3)), np.zeros(len(graph.ring))
     hold.aim(graph.points)
-    kernels.normals(0, hold.marching, graph.points, *topology, hold.row, hold.projectors, normal)
+    kernels.normals(0, hold.marching, graph.points, *topology, hold.row, hold.projectors, kernels.SEEN, normal)
     kernels.ring_weights(0, hold.marching, graph.points, normal, *topology, hold.free, weight)
     hold.weigh(weight, graph.start)
     alone = np.concatenate([np.add.reduceat(weight, graph.start[: hold.marching]), np.ones(n - hold.marching)]) == 0
@@ -319,7 +319,7 @@ def _normals(graph: FrontGraph, hold: Hold, front: np.ndarray) -> np.ndarray:
     normal = np.zeros_like(front)
     hold.aim(front)
     topology = (graph.start, graph.ring, graph.opened)
-    kernels.normals(0, hold.marching, front, *topology, hold.row, hold.projectors, normal)
+    kernels.normals(0, hold.marching, front, *topology, hold.row, hold.projectors, kernels.SEEN, normal)
     return _images_of(normal, hold)
 
 

@@ -68,7 +68,7 @@ def test_normals_weights_and_corners_agree_with_the_twins(front):
     n, hold = len(graph.points), free_edges(graph)
     topology = (graph.start, graph.ring, graph.opened)
     normal, weight, worst = np.empty((n, 3)), np.empty(len(graph.ring)), np.empty(n)
-    kernels.normals(0, n, graph.points, *topology, hold.row, hold.projectors, normal)
+    kernels.normals(0, n, graph.points, *topology, hold.row, hold.projectors, kernels.SEEN, normal)
     assert np.abs(normal - naive.normals(graph.points, found)).max() < 1e-12
     kernels.ring_weights(0, n, graph.points, normal, *topology, np.zeros(n, np.int64), weight)
     for i, expected in enumerate(naive.ring_weights(graph.points, normal, found)):
