@@ -195,7 +195,7 @@ def report(mesh: Mesh | StructuredGrid, measures: Sequence[str] | None = None) -
     Parameters
     ----------
     mesh : Mesh or StructuredGrid
-        Any mixture of cells.
+        Any mixture of cells; sides that are cells too count only by measures that those they bound do not have.
     measures : sequence of str, optional
         Names; by default a choice that suits the largest dimension of the cells.
 
@@ -240,7 +240,7 @@ def _row(given: Mesh | StructuredGrid, mesh: Mesh, name: str) -> Row | None:
         values = given.flat(measure(given, name))
     else:
         tables = [(lookup(kind, name), where) for kind, _, where in mesh.blocks()]
-        values = measure(mesh, name)
+        values = _of_highest(mesh, measure(mesh, name))
     cells = np.flatnonzero(~np.isnan(values))
     if not len(cells):
         return None
@@ -250,6 +250,14 @@ def _row(given: Mesh | StructuredGrid, mesh: Mesh, name: str) -> Row | None:
             low[where], high[where] = table.acceptable
     first = next(table for table, where in tables if table and not np.isnan(values[where]).all())
     return _numbers(name, first, cells, values[cells], low[cells], high[cells])
+
+
+def _of_highest(mesh: Mesh, values: np.ndarray) -> np.ndarray:
+    """The values without those of sides that are cells too, where the cells that they bound have any."""
+    inner = np.zeros(mesh.n_cells, bool)
+    for kind, _, where in mesh.blocks():
+        inner[where] = CELL_TYPES[kind].dimension == mesh.dimension
+    return values if np.isnan(values[inner]).all() else np.where(inner, values, np.nan)
 
 
 def _numbers(

@@ -193,7 +193,7 @@ def c_grid(
     step, past = part_of(progress, 0.5, 0.6), _past_base(front, points)
     onto = None if outer is None and far_field == "C" else lambda ends: curve.like(ends, front.opened.nose)
     method, points, told, changed = lines_by(
-        method, points, closed=False, progress=step, kept=past, bound=outer is not None, onto=onto
+        method, points, closed=False, plane=given.plane, progress=step, kept=past, bound=outer is not None, onto=onto
     )
     grid = _block(front, points, given)
     counts = {"around": len(points) - 1 - 2 * front.wake, "wake": front.wake, "layers": grid.cell_shape[1], **changed}

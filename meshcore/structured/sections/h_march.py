@@ -129,4 +129,4 @@ def _onto(
 
 def _told(stop: Stop, region: Region, kept: int) -> str:
     """Where and why a march stopped that began after some layers."""
-    return stop_told(stop._replace(place=stop.place @ region.axes, layer=stop.layer + kept))
+    return stop_told(stop._replace(place=stop.place @ region.axes, layer=stop.layer + kept), region.plane)

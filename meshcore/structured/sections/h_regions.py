@@ -8,6 +8,7 @@ import numpy as np
 
 from ...errors import InvalidGeometry
 from ...geometry.curves import Curve, arc_length
+from ...geometry.plane import Plane
 from ...sizing import cells_for_growth, geometric
 from .far_field import given_outer
 from .h_sides import Side, Sides
@@ -30,6 +31,8 @@ class Region:
         Height of the section's flat front or rear.
     axes : (2, 2) float
         Rows that take places of the region to the section's plane.
+    plane : Plane
+        The section's.
     """
 
     front: np.ndarray
@@ -42,6 +45,7 @@ class Region:
     right: np.ndarray
     base: float
     axes: np.ndarray
+    plane: Plane
 
     def along(self) -> np.ndarray:
         """(n,) float: how far points of the front are on their way along the flow, never backwards."""
@@ -74,7 +78,7 @@ def box_regions(sides: Sides, reach: float, behind: float, growth: float) -> tup
         top = 0.5 * (side.points[0, 1] + side.points[-1, 1]) + reach
         corners = np.array([[left, top], [right, top]])
         ends = np.vstack([front[0], corners[0]]), corners, np.vstack([front[-1], corners[1]])
-        regions.append(Region(front, *numbers, *ends, side.base, sides.frame * [[1], [up]]))
+        regions.append(Region(front, *numbers, *ends, side.base, sides.frame * [[1], [up]], sides.plane))
     return regions[0], regions[1]
 
 
@@ -110,7 +114,7 @@ def given_regions(sides: Sides, outer: Curve, growth: float) -> tuple[Region, Re
     ):
         front, *numbers = _front(side, sides, start[0, 0], stop[0, 0], growth)
         start[0], stop[0] = front[0], front[-1]
-        regions.append(Region(front, *numbers, start, far, stop, side.base, sides.frame * [[1], [up]]))
+        regions.append(Region(front, *numbers, start, far, stop, side.base, sides.frame * [[1], [up]], sides.plane))
     return regions[0], regions[1]
 
 

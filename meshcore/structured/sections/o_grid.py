@@ -167,7 +167,7 @@ def o_grid(
     step = part_of(progress, 0.6, 0.8)
     onto = None if far.circle else lambda ends: far.in_order(far.onto(ends[::-1]))[::-1]
     method, points, told, changed = lines_by(
-        method, points, closed=True, progress=step, bound=outer is not None, onto=onto
+        method, points, closed=True, plane=given.plane, progress=step, bound=outer is not None, onto=onto
     )
     warnings += told
     names = {"jmin": "wall", "jmax": "far field"}

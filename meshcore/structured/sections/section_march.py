@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...geometry.curves import arc_length
+from ...geometry.plane import Plane
 from ...progress import Progress, part_of
 from ..folds import FLAT
 from ..marching import hyperbolic_march, parabolic_march
@@ -54,6 +55,7 @@ def lines_by(
     points: np.ndarray,
     *,
     closed: bool,
+    plane: Plane,
     progress: Progress,
     kept: int = 0,
     bound: bool = True,
@@ -70,6 +72,8 @@ def lines_by(
         The transfinite grid; the front at j = 0 runs clockwise round the section. If closed the last line is the first.
     closed : bool
         Whether the front is.
+    plane : Plane
+        Where points lie in space, which is where users are told that a march stopped.
     progress : Progress
         Called with fraction and message.
     kept : int
@@ -79,10 +83,10 @@ def lines_by(
     onto : callable, optional
         From where a hyperbolic march arrives to points of the far field, if it is to be met.
     """
-    found = _by(method, points, closed, progress, kept, onto)
+    found = _by(method, points, closed, plane, progress, kept, onto)
     if bound or method == "hyperbolic" or found.method != "elliptic" or not found.warnings:
         return found
-    marched = _marched(points, "hyperbolic", closed, progress, kept)
+    marched = _marched(points, "hyperbolic", closed, plane, progress, kept)
     if marched.method != "hyperbolic":
         return found
     told = [text.replace(_EQUATIONS, _ARRIVES) for text in found.warnings]
@@ -91,14 +95,16 @@ def lines_by(
     )
 
 
-def _by(method: str, points: np.ndarray, closed: bool, progress: Progress, kept: int, onto: Onto | None) -> Lines:
+def _by(
+    method: str, points: np.ndarray, closed: bool, plane: Plane, progress: Progress, kept: int, onto: Onto | None
+) -> Lines:
     """As `lines_by`; "elliptic" with warnings if no march has reached the far field."""
     if method in ("hyperbolic", "parabolic"):
-        return _marched(points, method, closed, progress, kept, onto)
+        return _marched(points, method, closed, plane, progress, kept, onto)
     crossed = int((scaled_jacobians(points) <= FLAT).sum())
     if not crossed:
         return Lines(method, points, [], {})
-    found = _marched(points, "parabolic", closed, progress, 0)
+    found = _marched(points, "parabolic", closed, plane, progress, 0)
     if found.method == "elliptic":
         return found._replace(warnings=[f"lines crossed in {crossed} cells", *found.warnings])
     if method == "elliptic":
@@ -110,7 +116,13 @@ def _by(method: str, points: np.ndarray, closed: bool, progress: Progress, kept:
 
 
 def _marched(
-    points: np.ndarray, method: str, closed: bool, progress: Progress, kept: int, onto: Onto | None = None
+    points: np.ndarray,
+    method: str,
+    closed: bool,
+    plane: Plane,
+    progress: Progress,
+    kept: int,
+    onto: Onto | None = None,
 ) -> Lines:
     """A marched grid in place of a transfinite one, whose front, heights and far field it takes.
 
@@ -129,7 +141,7 @@ def _marched(
             found = _drawn(found, onto, None if closed else points[[0, -1], kept:])
         if found.stop is None:
             return _whole(method, points, found, kept, closed, warnings)
-        warnings.append(f"the hyperbolic march {stop_told(found.stop)}; the parabolic one took its place")
+        warnings.append(f"the hyperbolic march {stop_told(found.stop, plane)}; the parabolic one took its place")
     fractions = np.concatenate([np.zeros((1, len(lines))), np.cumsum(steps, axis=1).T])
     fractions /= fractions[-1]
     fractions[-1] = 1.0
@@ -143,7 +155,7 @@ def _marched(
     )
     if found.stop is None:
         return _whole(method, points, found, kept, closed, warnings)
-    stopped = f"the parabolic march {stop_told(found.stop)}; {_EQUATIONS}"
+    stopped = f"the parabolic march {stop_told(found.stop, plane)}; {_EQUATIONS}"
     return Lines("elliptic", points, [*warnings, stopped], {})
 
 
@@ -205,8 +217,8 @@ def _whole(method: str, points: np.ndarray, found: Marched, kept: int, closed: b
     return Lines(method, np.concatenate([points[:, :kept], made], axis=1), [*warnings, *changed], counts)
 
 
-def stop_told(stop: Stop) -> str:
-    """Where and why a march stopped, in the section's plane."""
-    x, y = stop.place
+def stop_told(stop: Stop, plane: Plane) -> str:
+    """Where and why a march stopped that is in a plane; the number of the front's point would tell users nothing."""
+    x, y, z = plane.to_space(stop.place[None])[0]
     concave = f", where the front is concave by {stop.concavity:.0f} degrees" if stop.concavity > 1 else ""
-    return f"stopped at layer {stop.layer}, point {stop.point} near ({x:.6g}, {y:.6g}), as {stop.reason}{concave}"
+    return f"stopped at layer {stop.layer} near ({x:.6g}, {y:.6g}, {z:.6g}), as {stop.reason}{concave}"

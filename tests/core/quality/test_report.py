@@ -25,6 +25,17 @@ def test_summary_looks_at_the_highest_dimension_only():
     assert quality.summary(gallery.circle()) == {}
 
 
+def test_sides_that_are_cells_too_do_not_count_beside_what_they_bound():
+    points = np.array([[0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0], [0, 0, 1], [2, 0, 1], [2, 1, 1], [0, 1, 1.0]])
+    solid = Mesh(points, {"hexahedron": [range(8)]})
+    sided = Mesh(points, {"quad": [[0, 3, 2, 1]], "hexahedron": [range(8)]}, sets={"wall": [0]})
+    found = quality.report(sided, ["scaled_jacobian", "volume", "area"]).rows
+    assert {name: row.count for name, row in found.items()} == {"scaled_jacobian": 1, "volume": 1, "area": 1}
+    assert found["scaled_jacobian"].worst.tolist() == [1]  # by its number in the mesh
+    assert found["area"].mean == 2
+    assert found["volume"].mean == quality.report(solid, ["volume"]).rows["volume"].mean
+
+
 def test_summary_of_solids_and_grids():
     x = np.stack(np.meshgrid(*[np.arange(3.0)] * 3, indexing="ij"), axis=-1)
     assert quality.summary(StructuredGrid(x)) == {"mean shape": 1.0, "worst scaled jacobian": 1.0}

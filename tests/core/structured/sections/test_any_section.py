@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
 import meshcore as mc
 from meshcore import gallery
 from meshcore.quality import line_angle
-from meshcore.structured.marching import hyperbolic_march
+from meshcore.structured.marching import hyperbolic_march, parabolic_march
 from meshcore.structured.sections.section_result import scaled_jacobians
 from tests.bodies import BODIES, random_bodies
 from tests.section_families import FAMILIES, section_of
@@ -160,6 +162,28 @@ def test_where_no_march_reaches_the_far_field_a_hyperbolic_one_makes_its_own_and
     circle = 8 * gallery.circle(40).points[np.r_[0:40, 0]]  # on which lines have to end
     with pytest.raises(mc.GenerationFailed, match="cells are folded"):
         mc.o_grid(section, circle, method=method, first_height=0.005)
+
+
+@pytest.mark.parametrize("make", [mc.o_grid, mc.c_grid, mc.h_grid])
+def test_where_a_march_stopped_is_told_in_the_user_s_own_coordinates(make, monkeypatch):
+    march = parabolic_march.marched
+
+    def stopping(front, *args, **options):
+        half = len(front) // 2
+        stop = hyperbolic_march.Stop(half, 3, front[half], 0.0, "cells fold")
+        return march(front, *args, **options)._replace(stop=stop)
+
+    monkeypatch.setattr(parabolic_march, "marched", stopping)
+    turn = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0]
+    turn[:, 2] *= np.linalg.det(turn)
+    flat = gallery.airfoil("naca0012")
+    section = flat.with_points(flat.points @ turn.T + [5, 6, 7])
+    _, report = make(section, method="parabolic", first_height=0.01)
+    told = [re.search(r"stopped at layer \d+ near \(([^)]*)\)", text) for text in report.warnings]
+    places = [[float(x) for x in found[1].split(",")] for found in told if found]
+    assert places
+    for place in places:
+        assert np.linalg.norm(section.points - place, axis=1).min() < 0.04  # layers round an H-grid's edge are kept
 
 
 def test_lines_that_end_out_of_order_are_put_in_order_before_a_march_onto_the_far_field():
