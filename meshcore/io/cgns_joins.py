@@ -17,6 +17,7 @@ from scipy.spatial.transform import Rotation
 from ..errors import InvalidInput
 from ..mesh import Cut, StructuredGrid
 from ..mesh.cuts import Index, Range, as_index, as_range
+from .cgns_abutting import cut_of_lists, is_point_by_point
 from .cgns_nodes import Node
 from .fit import warn_dropped
 
@@ -102,20 +103,19 @@ def _angles(turn: np.ndarray) -> np.ndarray:
 
 def joins_of(zones: Sequence[Node], blocks: Sequence[StructuredGrid]) -> list[Cut]:
     """Each join once, as the zone tells it whose name for it does not end in "donor"."""
-    told = [
-        (node.name, _cut(node, number, zones, blocks))
-        for number, zone in enumerate(zones)
-        for group in zone.of("ZoneGridConnectivity_t")
-        for node in group.of(_LABEL)
-    ]
-    others = [
-        node.name
-        for zone in zones
-        for group in zone.of("ZoneGridConnectivity_t")
-        for node in group.children
-        if node.label in ("GridConnectivity_t", "OversetHoles_t")
-    ]
-    warn_dropped("connections", others, "only 1-to-1 connections are read")
+    told, others = [], []
+    for number, zone in enumerate(zones):
+        for node in [node for group in zone.of("ZoneGridConnectivity_t") for node in group.children]:
+            cut = None
+            if node.label == _LABEL:
+                cut = _cut(node, number, zones, blocks)
+            elif node.label == "GridConnectivity_t" and is_point_by_point(node):
+                cut = _cut_by_lists(node, number, zones, blocks)
+            if cut is not None:
+                told.append((node.name, _where_told(cut, node, blocks)))
+            elif node.label in ("GridConnectivity_t", "OversetHoles_t"):
+                others.append(node.name)
+    warn_dropped("connections", others, "only those that join rectangles point by point are read")
     told.sort(key=lambda pair: pair[0].endswith(_DONOR))
     cuts: dict[frozenset, Cut] = {}
     for name, cut in told:
@@ -130,14 +130,41 @@ def _pair(cut: Cut) -> frozenset:
     return frozenset((block, *map(tuple, np.sort(points, axis=0).tolist())) for block, points in sides)
 
 
-def _cut(node: Node, number: int, zones: Sequence[Node], blocks: Sequence[StructuredGrid]) -> Cut:
+def _partner(node: Node, zones: Sequence[Node]) -> int:
+    """The number of the zone that a connection leads to."""
     donor = node.text().rsplit("/", 1)[-1]
     partner = next((k for k, zone in enumerate(zones) if zone.name == donor), None)
     if partner is None:
         raise InvalidInput(f"the connection {node.name!r} leads to a zone {donor!r}, which the base lacks")
+    return partner
+
+
+def _cut(node: Node, number: int, zones: Sequence[Node], blocks: Sequence[StructuredGrid]) -> Cut:
+    partner = _partner(node, zones)
     points = range_of(node.need("PointRange"), blocks[number])
     there = range_of(node.need("PointRangeDonor"), blocks[partner])
-    cut = Cut(points, there, _transform(node), number, partner)
+    return Cut(points, there, _transform(node), number, partner)
+
+
+def _cut_by_lists(node: Node, number: int, zones: Sequence[Node], blocks: Sequence[StructuredGrid]) -> Cut | None:
+    partner = _partner(node, zones)
+    span = node.find("PointRange")
+    if span is None:
+        here = _indices(node.need("PointList"), blocks[number])
+    else:
+        here = _points_of_range(range_of(span, blocks[number]))
+    there = _indices(node.need("PointListDonor"), blocks[partner])
+    return cut_of_lists(here, there, blocks, number, partner) if len(here) else None
+
+
+def _points_of_range(ends: Range) -> np.ndarray:
+    """(m, 3) int: the points between two, i running fastest, as Fortran counts."""
+    axes = [np.arange(a, b + (1 if b >= a else -1), 1 if b >= a else -1) for a, b in zip(*ends, strict=True)]
+    return np.stack(np.meshgrid(*axes[::-1], indexing="ij")[::-1], axis=-1).reshape(-1, 3)
+
+
+def _where_told(cut: Cut, node: Node, blocks: Sequence[StructuredGrid]) -> Cut:
+    """The cut, turned and moved if the connection says so."""
     for group in node.of("GridConnectivityProperty_t"):
         for periodic in group.of("Periodic_t"):
             return _moved(cut, periodic, blocks)

@@ -55,6 +55,8 @@ def read_cgns(path: Path, *, base: str = "") -> Union[Part, MultiBlock]:
         return bounded(blocks, [zone.name for zone in zones], conditions, joins_of(zones, blocks))
     if len(parts) == 1:
         return parts[0]
+    told = [node.name for zone in zones for group in zone.of("ZoneGridConnectivity_t") for node in group.children]
+    warn_dropped("connections", told, "zones of a mesh do not share points")
     named = {zone.name: part for zone, part in zip(zones, parts, strict=True)}
     if any(isinstance(part, PolyhedralMesh) for part in parts):
         return joined_polyhedra(named)

@@ -67,6 +67,92 @@ def test_data_come_back(layers, tmp_path):
     assert found.cell_data["small"].dtype == np.float32
 
 
+def told_by_lists(path: Path, *, by_ranges: bool, seed: int = 0) -> None:
+    """Change the 1-to-1 connections of a file into general ones, which list the same points in any order."""
+    from meshcore.io.cgns_nodes import Node, read_nodes, write_nodes
+
+    root = read_nodes(path)
+    base = next(root.of("CGNSBase_t"))
+    for zone in base.of("Zone_t"):
+        for group in zone.of("ZoneGridConnectivity_t"):
+            for k, node in enumerate(group.children):
+                first, last = node.find("PointRange").value.astype(int)
+                there = node.find("PointRangeDonor").value.astype(int)[0]
+                matrix = np.zeros((len(first),) * 2, int)
+                for axis, to in enumerate(node.find("Transform").value.tolist()):
+                    matrix[abs(to) - 1, axis] = np.sign(to)
+                axes = [np.arange(min(a, b), max(a, b) + 1) for a, b in zip(first, last, strict=True)]
+                points = np.stack(np.meshgrid(*axes[::-1], indexing="ij")[::-1], -1).reshape(-1, len(first))
+                order = np.random.default_rng(seed).permutation(len(points)) if not by_ranges else slice(None)
+                donors = there + (points - first) @ matrix.T
+                made = Node(node.name, "GridConnectivity_t", node.value)
+                made.add("GridConnectivityType", "GridConnectivityType_t", "Abutting1to1")
+                if by_ranges:
+                    made.add("PointRange", "IndexRange_t", np.array([points[0], points[-1]], np.int32))
+                else:
+                    made.add("PointList", "IndexArray_t", points[order].astype(np.int32))
+                made.add("PointListDonor", "IndexArray_t", donors[order].astype(np.int32))
+                made.children += [child for child in node.children if child.label == "GridConnectivityProperty_t"]
+                group.children[k] = made
+    write_nodes(path, root.children)
+
+
+def connections(grid: mc.StructuredGrid | mc.MultiBlock) -> list[tuple]:
+    """What is joined to what: for each cut its places, those of the partner, and which way they lead."""
+    found = []
+    for cut in grid.joins:
+        place = cut.places()
+        found.append(
+            (cut.name, cut.block, cut.partner_block, place.tolist(), cut.across(place).tolist(), cut.transform)
+        )
+    return sorted(found)
+
+
+@pytest.mark.parametrize("by_ranges", [False, True])
+@pytest.mark.parametrize("made", [c_shape(4, 10, 3), h_shape(3), on_a_step(), *map(quarter_turned, range(4)), None])
+def test_connections_by_lists_are_cuts_where_points_match(made, by_ranges, tmp_path):
+    made = made or sector(np.eye(3), np.array([0.0, 3, 0]))
+    mc.io.write(tmp_path / "a.cgns", made)
+    expected = mc.io.read(tmp_path / "a.cgns")
+    told_by_lists(tmp_path / "a.cgns", by_ranges=by_ranges)
+    found = mc.io.read(tmp_path / "a.cgns")
+    same(found, expected)
+    assert connections(found) == connections(expected)
+
+
+@pytest.mark.parametrize(("order", "back"), TURNS[::5])
+def test_connections_by_lists_between_volumes_turned_in_any_way(order, back, tmp_path):
+    mc.io.write(tmp_path / "a.cgns", turned_volumes(order, back))
+    expected = connections(mc.io.read(tmp_path / "a.cgns"))
+    told_by_lists(tmp_path / "a.cgns", by_ranges=False)
+    assert connections(mc.io.read(tmp_path / "a.cgns")) == expected and expected
+
+
+def test_other_connections_are_told(tmp_path):
+    """Patches that do not match, a list with two points exchanged, and one that is no rectangle."""
+    from meshcore.io.cgns_nodes import read_nodes, write_nodes
+
+    path = tmp_path / "a.cgns"
+    for fault in ("kind", "exchanged", "missing", "faces"):
+        mc.io.write(path, h_shape(3))
+        told_by_lists(path, by_ranges=False)
+        root = read_nodes(path)
+        zones = list(next(root.of("CGNSBase_t")).of("Zone_t"))
+        for node in [node for zone in zones for group in zone.of("ZoneGridConnectivity_t") for node in group.children]:
+            donors = node.find("PointListDonor")
+            if fault == "kind":
+                node.find("GridConnectivityType").value = "Abutting"
+            elif fault == "exchanged":
+                donors.value = donors.value[[1, 0, *range(2, len(donors.value))]]
+            elif fault == "missing":
+                donors.value = donors.value[1:]
+            else:
+                node.add("GridLocation", "GridLocation_t", "FaceCenter")
+        write_nodes(path, root.children)
+        with pytest.warns(mc.io.FormatWarning, match="only those that join rectangles point by point"):
+            assert mc.io.read(path).joins == ()
+
+
 def sector(turn: np.ndarray, shift: np.ndarray) -> mc.StructuredGrid:
     """A bent block whose jmax is its jmin, turned and moved."""
     s, t, u = np.meshgrid(np.linspace(1, 2, 4), np.linspace(0, 1, 5), np.linspace(0, 1, 3), indexing="ij")

@@ -315,6 +315,14 @@ def test_polygons_of_several_zones_are_one_mesh(tmp_path):
     assert found.cell_data["zone"].tolist() == [0] * flat().n_cells + [1, 1]
 
 
+def test_connections_of_meshes_are_told(tmp_path):
+    base = zones_together(tmp_path, solid(), solid())
+    group = base.children[-1].add("ZoneGridConnectivity", "ZoneGridConnectivity_t")
+    group.add("to the first", "GridConnectivity_t", "zone 0")
+    with pytest.warns(mc.io.FormatWarning, match="'to the first' left out: zones of a mesh do not share points"):
+        as_read(tmp_path / "a.cgns", base)
+
+
 def test_zones_that_do_not_go_with_polyhedra(tmp_path):
     cells = bare(mc.voronoi_3d(np.random.default_rng(3).random((12, 3))).mesh)
     curved = mc.Mesh(np.random.default_rng(0).random((10, 3)), {"tetra10": [range(10)]})
