@@ -76,7 +76,9 @@ def with_own_outer(section: Curve) -> tuple[Curve, Curve | None]:
         return section, None
     boxes = [bounds(section.points[piece]) for piece in pieces]
     for (inner, outer), (box, round_it) in ((pieces, boxes), (pieces[::-1], boxes[::-1])):
-        if (box[0] > round_it[0]).any() and (box[0] >= round_it[0]).all() and (box[1] <= round_it[1]).all():
+        extent = np.ptp(round_it, axis=0)
+        wide = extent > _SAME * extent.max()  # the plane may be one of two coordinates
+        if ((box[0] > round_it[0]) & (box[1] < round_it[1]))[wide].all():
             return _alone(section, inner), _alone(section, outer)
     return section, None
 
