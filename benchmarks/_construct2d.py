@@ -14,7 +14,8 @@ from scipy.interpolate import BSpline, CubicSpline
 
 from meshcore.geometry.curves import arc_length, resampled, turning
 from meshcore.sizing import Spacing, geometric
-from meshcore.structured.marching.hyperbolic_march import layer_heights, marched
+from meshcore.structured.marching.hyperbolic_march import marched
+from meshcore.structured.marching.layer_heights import layer_heights
 from meshcore.structured.marching.marching_ends import Along
 
 KNOWN = {"naca0012": 17.3, "rae2822": 17.7, "ag35": 19.9, "e387": 25.5, "s1223": 51.2, "ls417mod": 23.4}

@@ -22,7 +22,8 @@ from meshcore.geometry.curves import polyline
 from meshcore.mesh import StructuredGrid
 from meshcore.quality import line_angle
 from meshcore.sizing.around_loop import respaced_loop
-from meshcore.structured.marching.hyperbolic_march import Marched, layer_heights, marched
+from meshcore.structured.marching.hyperbolic_march import Marched, marched
+from meshcore.structured.marching.layer_heights import layer_heights
 from meshcore.structured.poisson.winslow import winslow
 
 LAYERS, REACH, FIRST = 100, 15.0, 1e-5

@@ -12,7 +12,8 @@ from ...geometry.plane import Plane, fitted_plane
 from ...geometry.section import doubled_area
 from ..crossings import TOUCH, refuse_crossings
 from ..limits import check_extent
-from .hyperbolic_march import Marched, Stop
+from .hyperbolic_march import Marched
+from .march_stops import Stop
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,8 @@ from ..limits import check_size
 from ..poisson.elliptic_problem import Asked, solved
 from . import parabolic_march
 from .fronts import Front, changes_told, read_front, reason_told, stop_told
-from .hyperbolic_march import Dissipation, Marched, checked_heights, layer_heights, marched
+from .hyperbolic_march import Dissipation, Marched, marched
+from .layer_heights import checked_heights, layer_heights
 from .marching_ends import Along, End, Free, Mirror, OnCurve, Splay
 from .marching_parameters import FirstHeightParam, GrowthParam, LargestHeightParam, LayersParam, asked_heights
 from .outer_points import outer_points

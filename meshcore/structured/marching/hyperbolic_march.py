@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from ...errors import InvalidGeometry, InvalidInput
-from ...geometry.curves import turning
 from ...progress import Progress, advance, part_of, silent
-from ...quality.embedding import overlaps
 from . import _hyperbolic_kernels as kernels
 from . import _marching_front_kernels as fronts
+from .layer_heights import checked_heights
+from .march_stops import FOLDED, Stop, crossing, folded, last_simple, met
 from .marching_ends import Conditions, End, Free, as_numbers
 
 POINTS_A_CHUNK = 100_000
@@ -21,7 +20,6 @@ POINTS_A_CHUNK = 100_000
 RAISED = (1.0, 1.5, 3.0, 6.0)
 """Times the dissipation asked for with which a march is tried, each if cells fold with the one before."""
 MOST_BASE = 2.0
-FOLDED, MET = "cells fold", "fronts meet"
 
 
 @dataclass(frozen=True)
@@ -52,34 +50,6 @@ class Dissipation:
                 raise InvalidInput(f"must lie between 0 and {most:g}, got {value}", parameter=name)
 
 
-class Stop(NamedTuple):
-    """Where a march ended before its last layer.
-
-    Attributes
-    ----------
-    point : int
-        Point of the front.
-    layer : int
-        The layer that could not be made, the first at the front being 0.
-    place : (2,) float
-        Where the point is on the last layer that was made.
-    concavity : float
-        Degrees by which the last layer turns to the left: where it does so around that point, or between the two that
-        meet.
-    reason : str
-        "cells fold" or "fronts meet".
-    other : int or None
-        The point of the front that it would meet.
-    """
-
-    point: int
-    layer: int
-    place: np.ndarray
-    concavity: float
-    reason: str
-    other: int | None = None
-
-
 class Marched(NamedTuple):
     """A marched grid.
 
@@ -99,109 +69,6 @@ class Marched(NamedTuple):
     split: int
     stop: Stop | None
     raised: float = 1.0
-
-
-def layer_heights(
-    first: float, growth: float, *, layers: int | None = None, distance: float | None = None, largest: float = math.inf
-) -> np.ndarray:
-    """Heights of layers that grow geometrically.
-
-    Parameters
-    ----------
-    first : float
-        Height of the first layer.
-    growth : float
-        Each height over the one before; with a distance but no number of layers the largest that is allowed.
-    layers : int, optional
-        Number of layers.
-    distance : float, optional
-        Sum of the heights. With a number of layers, growth follows from the two and `growth` is not used.
-    largest : float
-        Heights stay below.
-
-    Returns
-    -------
-    (layers,) float
-
-    Raises
-    ------
-    InvalidInput
-        If no such heights exist. Heights that do not grow may be a little lower than `first`, to fill the distance.
-
-    Examples
-    --------
-    >>> layer_heights(1, 2, layers=3), layer_heights(1, 2, layers=4, largest=3)
-    (array([1., 2., 4.]), array([1., 2., 3., 3.]))
-    >>> layer_heights(1, 3, distance=7).round(6)
-    array([1., 2., 4.])
-    >>> layer_heights(0.3, 1, distance=1)
-    array([0.25, 0.25, 0.25, 0.25])
-    """
-    first, growth = float(first), float(growth)
-    _check(first, growth, largest)
-    if distance is None:
-        return _heights(first, growth, _count(layers), largest)
-    if not distance > 0 or not math.isfinite(distance):
-        raise InvalidInput(f"must be greater than zero, got {distance:g}", parameter="distance")
-    if layers is None:
-        layers = _fewest(first, growth, distance, largest)
-        if growth == 1 and layers > 1:
-            return np.full(layers, distance / layers)  # what divides the distance: none higher than asked
-    count = _count(layers)
-    if count * first >= distance:
-        if abs(count * first - distance) <= 1e-9 * distance:
-            return np.full(count, distance / count)
-        raise InvalidInput(
-            f"{count} layers of {first:g} already reach past {distance:g}; make it smaller, or the distance larger",
-            parameter="first_height",
-        )
-    low, high = 1.0, 3.0
-    if _heights(first, high, count, largest).sum() < distance:
-        raise InvalidInput(
-            f"{count} layers from {first:g} on reach {distance:g} only with a growth above {high:g}; give more layers",
-            parameter="layers",
-        )
-    for _ in range(200):
-        middle = 0.5 * (low + high)
-        short = _heights(first, middle, count, largest).sum() < distance
-        low, high = (middle, high) if short else (low, middle)
-    return _heights(first, high, count, largest)
-
-
-def _heights(first: float, growth: float, count: int, largest: float) -> np.ndarray:
-    with np.errstate(over="ignore"):  # infinite heights only tell that less growth is enough
-        return np.minimum(first * growth ** np.arange(count), largest)
-
-
-def _check(first: float, growth: float, largest: float) -> None:
-    if not first > 0 or not math.isfinite(first):
-        raise InvalidInput(f"must be greater than zero, got {first:g}", parameter="first_height")
-    if not 1 <= growth <= 3:
-        raise InvalidInput(f"must lie between 1 and 3, got {growth:g}", parameter="growth")
-    if not largest >= first:
-        raise InvalidInput(f"is {largest:g}, below the first height {first:g}", parameter="largest_height")
-
-
-def _count(layers: int | None) -> int:
-    if layers is None or layers != int(layers) or layers < 1:
-        raise InvalidInput(f"needs a whole number of at least 1, got {layers}", parameter="layers")
-    return int(layers)
-
-
-MOST_LAYERS = 100_000
-
-
-def _fewest(first: float, growth: float, distance: float, largest: float) -> int:
-    """The smallest number of layers that reaches a distance."""
-    total, count, height = 0.0, 0, first
-    while total < distance * (1 - 1e-9):
-        total, count, height = total + min(height, largest), count + 1, height * growth
-        if count > MOST_LAYERS:
-            raise InvalidInput(
-                f"{first:g} needs more than {MOST_LAYERS:,} layers to reach {distance:g}; let heights grow faster",
-                parameter="growth",
-            )
-    return count
 
 
 def marched(
@@ -245,7 +112,7 @@ def marched(
     Examples
     --------
     >>> x = np.linspace(0, 1, 5)
-    >>> result = marched(np.column_stack([x, 0 * x]), layer_heights(0.1, 2, layers=2))
+    >>> result = marched(np.column_stack([x, 0 * x]), np.array([0.1, 0.2]))
     >>> result.points[2]
     array([[0.5, 0. ],
            [0.5, 0.1],
@@ -296,10 +163,10 @@ def run(
     out, made, info = _march(front, heights, outer, conditions, dissipation, progress, drawing)
     stop = None
     if made < len(heights):
-        stop = _folded(out[made].T, int(info[1]), made, closed)
-    sound, where = _last_simple(out[: made + 1], closed)
+        stop = folded(out[made].T, int(info[1]), made, closed)
+    sound, where = last_simple(out[: made + 1], closed)
     if sound < made:
-        stop = _met(out[sound].T, where, sound, closed)
+        stop = met(out[sound].T, where, sound, closed)
     return Marched(np.ascontiguousarray(out[: sound + 1].transpose(2, 0, 1)), int(info[0]), stop)
 
 
@@ -339,93 +206,10 @@ def checked_front(front: np.ndarray, closed: bool, parameter: str = "front") -> 
             parameter=parameter,
             points=bad,
         )
-    if closed and (crossing := _crossing(front, closed)) is not None:
+    if closed and (where := crossing(front, closed)) is not None:
         raise InvalidGeometry(
-            f"crosses itself near {front[crossing[0]].tolist()}, at its point {crossing[0]}; undo the loop",
+            f"crosses itself near {front[where[0]].tolist()}, at its point {where[0]}; undo the loop",
             parameter=parameter,
-            points=[crossing[0]],
+            points=[where[0]],
         )
     return front
-
-
-def checked_heights(heights: np.ndarray, n: int) -> np.ndarray:
-    """(layers, 1 or n) heights of layers, or an error that says what is wrong with them."""
-    heights = _real(heights)
-    if heights.ndim not in (1, 2) or not heights.size or heights.shape[1:] not in ((), (1,), (n,)):
-        raise InvalidInput(f"needs shape (layers,) or (layers, {n}), got {heights.shape}", parameter="heights")
-    heights = np.ascontiguousarray(heights.reshape(len(heights), -1))
-    if not (np.isfinite(heights) & (heights > 0)).all():
-        raise InvalidInput("must be finite and greater than zero", parameter="heights")
-    return heights
-
-
-def _real(heights: np.ndarray) -> np.ndarray:
-    """Heights as an array, if they are real numbers."""
-    try:
-        found = np.asarray(heights)
-        if found.dtype.kind in "biuf":
-            return found.astype(float)
-    except ValueError:  # of rows of different lengths
-        pass
-    raise InvalidInput("needs real numbers", parameter="heights")
-
-
-def _crossing(front: np.ndarray, closed: bool) -> tuple[int, int] | None:
-    """Two points whose edges to their next ones cross, the first first, or None."""
-    n = len(front)
-    start = np.arange(n if closed else n - 1)
-    edges = np.column_stack([start, (start + 1) % n])
-    crossing = overlaps(front, edges, 0.0).crossing
-    return (int(crossing[0].min()), int(crossing[0].max())) if len(crossing) else None
-
-
-def _last_simple(layers: np.ndarray, closed: bool) -> tuple[int, tuple[int, int] | None]:
-    """The last front that does not cross itself, and where the next one does.
-
-    Sound cells between two fronts without crossings cover what lies between them once, so that the fronts between need
-    no look. That holds for closed fronts; the lines at the ends of an open one may still meet.
-    """
-    last = len(layers) - 1
-    where = _crossing(np.ascontiguousarray(layers[last].T), closed)
-    if where is None:
-        return last, None
-    low, high = 0, last
-    while high - low > 1:
-        middle = (low + high) // 2
-        found = _crossing(np.ascontiguousarray(layers[middle].T), closed)
-        low, high, where = (middle, high, where) if found is None else (low, middle, found)
-    return low, where
-
-
-def _folded(front: np.ndarray, cell: int, layer: int, closed: bool) -> Stop:
-    """The stop at a cell: its point where the front turns most to the left, and by how much it does around there."""
-    n, turn = len(front), _turning(front, closed)
-    near = [k % n if closed else min(max(k, 0), n - 1) for k in range(cell - 2, cell + 4)]
-    point = max(near, key=lambda k: turn[k])
-    concavity = max(turn[point], 0.0)
-    for step in (-1, 1):
-        k = point + step
-        while concavity > 0 and concavity < 360 and (closed or 0 <= k < n) and turn[k % n] > 0:
-            concavity += turn[k % n]
-            k += step
-    return Stop(point, layer, front[point].copy(), float(min(concavity, 360.0)), FOLDED)
-
-
-def _met(front: np.ndarray, edges: tuple[int, int], layer: int, closed: bool) -> Stop:
-    """The stop where two edges would cross: the points of theirs that are nearest, and the bay between them."""
-    n, turn = len(front), _turning(front, closed)
-    first, second = edges
-    ends = [(a % n, b % n) for a in (first, first + 1) for b in (second, second + 1) if a % n != b % n]
-    point, other = min(ends, key=lambda pair: np.linalg.norm(front[pair[0]] - front[pair[1]]))
-    bay = turn[first + 1 : second + 1].sum()
-    if closed:
-        bay = max(bay, turn.sum() - bay)
-    return Stop(point, layer, front[point].copy(), float(max(bay, 0.0)), MET, other)
-
-
-def _turning(front: np.ndarray, closed: bool) -> np.ndarray:
-    """Degrees by which a front turns to the left at each point; none at the ends of an open one."""
-    turn = np.degrees(turning(front))
-    if not closed:
-        turn[[0, -1]] = 0
-    return turn

@@ -8,7 +8,7 @@ from typing import Annotated
 import numpy as np
 
 from ...operation import Length, Param, Relative, absolute
-from .hyperbolic_march import layer_heights
+from .layer_heights import layer_heights
 
 FirstHeightParam = Annotated[Length, Param("Height of the first layer", group="Layers")]
 GrowthParam = Annotated[

@@ -10,7 +10,7 @@ from ...sizing import geometric
 from ..folds import FLAT
 from ..marching import hyperbolic_march, parabolic_march
 from ..marching.fronts import changes_told
-from ..marching.hyperbolic_march import Stop
+from ..marching.march_stops import Stop
 from ..marching.marching_ends import OnCurve
 from .h_lines import on_top, steps_up
 from .h_regions import Region

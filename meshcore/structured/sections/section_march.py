@@ -13,7 +13,8 @@ from ...progress import Progress, part_of
 from ..folds import FLAT
 from ..marching import hyperbolic_march, parabolic_march
 from ..marching.fronts import changes_told
-from ..marching.hyperbolic_march import Marched, Stop
+from ..marching.hyperbolic_march import Marched
+from ..marching.march_stops import Stop
 from ..marching.marching_ends import End, OnCurve
 from .lines_out import lengths_along
 from .section_result import scaled_jacobians

@@ -11,7 +11,8 @@ from meshcore.quality import line_angle
 from meshcore.sizing.around_loop import respaced_loop
 from meshcore.structured.marching._block_tridiagonal_kernels import solve
 from meshcore.structured.marching._collision_kernels import collisions
-from meshcore.structured.marching.hyperbolic_march import Dissipation, layer_heights, marched
+from meshcore.structured.marching.hyperbolic_march import Dissipation, marched
+from meshcore.structured.marching.layer_heights import layer_heights
 from meshcore.structured.marching.marching_ends import Along, Free, Mirror, OnCurve, Splay
 from tests import naive_marching as naive
 from tests.outlines import outline, random_outlines

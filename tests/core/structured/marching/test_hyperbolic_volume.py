@@ -12,8 +12,8 @@ from meshcore.structured.marching import _layer_kernels as kernels
 from meshcore.structured.marching import layer_equations, layer_marching
 from meshcore.structured.marching.front_bends import concavity
 from meshcore.structured.marching.front_edges import free_edges
-from meshcore.structured.marching.hyperbolic_march import layer_heights
 from meshcore.structured.marching.layer_equations import LayerEquations
+from meshcore.structured.marching.layer_heights import layer_heights
 from meshcore.structured.marching.layer_marching import first_normals, marched
 from meshcore.structured.marching.layer_surface import read_surface
 from meshcore.threads import Workers
