@@ -15,6 +15,9 @@ from ..limits import check_extent
 from .hyperbolic_march import Marched
 from .march_stops import Stop
 
+_BLOCK = 20_000
+"""Points that are put into space at once, so that they stay in caches."""
+
 
 @dataclass(frozen=True)
 class Front:
@@ -48,9 +51,15 @@ class Front:
 
     def in_space(self, points: np.ndarray) -> np.ndarray:
         """(ni, nj, 3) points of a grid (n, nj, 2) made on the front, with the cut of a closed one repeated."""
+        n, levels = points.shape[:2]
+        found = np.empty((n + self.closed, levels, 3))
+        block = max(1, _BLOCK // levels)
+        for first in range(0, n, block):
+            part = points[first : first + block]
+            found[first : first + len(part)] = self.plane.to_space(part.reshape(-1, 2)).reshape(*part.shape[:2], 3)
         if self.closed:
-            points = np.concatenate([points, points[:1]])
-        return self.plane.to_space(points.reshape(-1, 2)).reshape(*points.shape[:2], 3)
+            found[-1] = found[0]
+        return found
 
 
 def read_front(curve: Curve, *, other_side: bool = False, parameter: str = "front") -> Front:

@@ -56,7 +56,8 @@ class Marched(NamedTuple):
     Attributes
     ----------
     points : (n, layers + 1, 2) float
-        Sound cells all of them, that cover the plane once.
+        Sound cells all of them, that cover the plane once. Fronts lie in memory one after the other, as they were made:
+        a copy in the order of the indices would cost as much as the march once it no longer fits into caches.
     split : int
         Layers that were made in smaller steps.
     stop : Stop or None
@@ -167,7 +168,7 @@ def run(
     sound, where = last_simple(out[: made + 1], closed)
     if sound < made:
         stop = met(out[sound].T, where, sound, closed)
-    return Marched(np.ascontiguousarray(out[: sound + 1].transpose(2, 0, 1)), int(info[0]), stop)
+    return Marched(out[: sound + 1].transpose(2, 0, 1), int(info[0]), stop)
 
 
 def _march(front, heights, outer, conditions, dissipation, progress, drawing) -> tuple[np.ndarray, int, np.ndarray]:
