@@ -1839,7 +1839,7 @@ class meshcoreHGrid(Operation):
         <DataType value="vtkDataSet"/>
       </DataTypeDomain>
       <InputArrayDomain name="arrays" attribute_type="any" optional="1"/>
-      <Documentation>Curve to end at where the march cannot go on.</Documentation>
+      <Documentation>Curve at which the layers end, in place of a distance.</Documentation>
       <Hints><Optional/></Hints>
     </InputProperty>
     <DoubleVectorProperty name="FirstHeight" label="First Height" command="SetFirstHeight" number_of_elements="1" default_values="-1" panel_visibility="default">
@@ -1890,6 +1890,14 @@ class meshcoreHGrid(Operation):
       <DoubleRangeDomain name="range" min="0" max="4"/>
       <Documentation>How far the equations look ahead beyond the next layer.</Documentation>
     </DoubleVectorProperty>
+    <DoubleVectorProperty name="VolumeSmoothing" label="Volume Smoothing" command="SetVolumeSmoothing" number_of_elements="1" default_values="1.0" panel_visibility="advanced">
+      <DoubleRangeDomain name="range" min="0" max="1"/>
+      <Documentation>1 widens all cells of a layer alike, 0 keeps heights at each point.</Documentation>
+    </DoubleVectorProperty>
+    <DoubleVectorProperty name="VolumeAveraging" label="Volume Averaging" command="SetVolumeAveraging" number_of_elements="1" default_values="0.0" panel_visibility="advanced">
+      <DoubleRangeDomain name="range" min="0" max="1"/>
+      <Documentation>How far thick cells widen like those around.</Documentation>
+    </DoubleVectorProperty>
     <PropertyGroup label="Layers">
       <Property name="FirstHeight"/>
       <Property name="Growth"/>
@@ -1908,6 +1916,8 @@ class meshcoreHGrid(Operation):
     <PropertyGroup label="Advanced">
       <Property name="Smoothing"/>
       <Property name="Implicitness"/>
+      <Property name="VolumeSmoothing"/>
+      <Property name="VolumeAveraging"/>
     </PropertyGroup>
     """
 )
@@ -1949,6 +1959,12 @@ class meshcoreHyperbolicGrid(Operation):
 
     def SetImplicitness(self, value):
         self.set("implicitness", value)
+
+    def SetVolumeSmoothing(self, value):
+        self.set("volume_smoothing", value)
+
+    def SetVolumeAveraging(self, value):
+        self.set("volume_averaging", value)
 
 
 

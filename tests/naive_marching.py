@@ -33,31 +33,62 @@ def tangents(front):
     return t / np.linalg.norm(t, axis=1)[:, None], 0.5 * (a + b)[:, 0]
 
 
-def hyperbolic_step(front, height, base):
-    """The next layer of a smooth closed front that is nowhere concave or sharp, by one dense system."""
+def deepest_bay(turn):
+    """Radians by which a part of a closed front turns to the left, at most."""
+    n = len(turn)
+    return max(sum(turn[(k + m) % n] for m in range(count)) for k in range(n) for count in range(n + 1))
+
+
+def averaged(values, passes):
+    """Values along a closed front, each replaced so many times by the mean of itself and that of its neighbours."""
+    for _ in range(passes):
+        values = 0.5 * values + 0.25 * (np.roll(values, 1) + np.roll(values, -1))
+    return values
+
+
+def hyperbolic_step(front, height, base, volume=1.0, averaging=0.0, wall=None):
+    """The next layer of a smooth closed front that nowhere is about to meet itself, by one dense system.
+
+    ``wall`` is the first of all layers, if it is another.
+    """
     n = len(front)
     t, s = tangents(front)
+    wider = s / tangents(front if wall is None else wall)[1]
     normal = np.column_stack([-t[:, 1], t[:, 0]])
     matrix, right = np.zeros((n, 2, n, 2)), np.zeros((n, 2))
     bend = 2 * np.pi / n
     half = 2 * np.sin(0.5 * bend)
 
-    def ramp(aspect):
-        return aspect / (aspect + 0.8)
+    def ramp(aspect, concave=0.0):
+        return (aspect + 0.8 * concave) / (aspect + 0.8)
 
+    edges = np.roll(front, -1, axis=0) - front
+    heading = np.arctan2(edges[:, 1], edges[:, 0])
+    turn = (heading - np.roll(heading, 1) + np.pi) % (2 * np.pi) - np.pi
+    calm = max(0.0, 1 - deepest_bay(turn))
+    shared = averaging * calm * ramp(height / s) * (averaged(wider, 4) / wider - 1)
     for k in range(n):
         after, before = (k + 1) % n, (k - 1) % n
-        eps = base * height / s[k] * ramp(height / s[k])
         ahead_of, behind = front[after] - front[k], front[k] - front[before]
         b, a = np.linalg.norm(behind), np.linalg.norm(ahead_of)
-        straightened = 2 * a * b / (a + b) * (ahead_of / a - behind / b)
-        c = height / s[k] * (np.outer(t[k], normal[k]) + np.outer(normal[k], t[k]))
-        matrix[k, :, k] += np.eye(2) * (1 + 2 * eps)
-        matrix[k, :, after] += 0.5 * c - eps * 2 * b / (a + b) * np.eye(2)
-        matrix[k, :, before] += -0.5 * c - eps * 2 * a / (a + b) * np.eye(2)
+        concave = min(1.0, max(0.0, turn[k] / 0.2))
+        eps = base * height / s[k] * ramp(height / s[k], concave) / np.cos(0.5 * max(0.0, turn[k])) ** 2
+        uneven = (1 - concave) * (2 * a / (a + b) - 1)
+        forth, back = eps * (1 - uneven), eps * (1 + uneven)
+        dissipated = forth * ahead_of - back * behind
+        inward = -dissipated @ normal[k]
+        cap = 0.2 * ramp(height / s[k], concave) * height
+        share = min(1.0, cap / inward) if inward > 0 else 1.0
+        forth, back = share * forth, share * back
+        c = height / s[k] * (np.outer(t[k], normal[k]) + volume * np.outer(normal[k], t[k]))
+        matrix[k, :, k] += np.eye(2) * (1 + forth + back)
+        matrix[k, :, after] += 0.5 * c - forth * np.eye(2)
+        matrix[k, :, before] += -0.5 * c - back * np.eye(2)
         ahead = height / s.mean()
-        forward = height * (1 + ahead * np.sin(bend) + base * ramp(ahead) * half * (1 + ahead * half))
-        right[k] = forward * normal[k] + eps * straightened
+        lost = base * ramp(ahead) * half * (1 + ahead * half)
+        forward = height * (1 + volume * ahead * np.sin(bend) + lost)
+        forward *= 1 + shared[k] - shared.mean()
+        right[k] = forward * normal[k] + share * dissipated
     d = np.linalg.solve(matrix.reshape(2 * n, 2 * n), right.ravel()).reshape(n, 2)
     return front + d
 

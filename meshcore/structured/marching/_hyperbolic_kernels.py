@@ -7,28 +7,51 @@ Stat. Comput. 1 (1980); W. M. Chan, J. L. Steger, Appl. Math. Comput. 51 (1992))
     d + (1 + theta) (h / s) (t n' + n t') d_xi - D d = n V / s + D r,      d = r(next layer) - r
 
 with differences of the index xi. The area V is h s, times a share for the mean bending of the front and for what
-dissipation takes from it, so that a circle gives the polar grid. The dissipation
+dissipation takes from it, so that a circle gives the polar grid, and, if asked for, as cells get thick the mean of how
+cells around have widened over how this one has. The dissipation
 
     D r = e r_xixi + c 2 s- s+ / (s- + s+) (t+ - t-)
 
 has two parts. There is c everywhere, which straightens the front alone, by the difference of its edges' unit tangents
 t- and t+, of lengths s- and s+: on a straight front it vanishes however points are spaced, while r_xixi would draw
 lines along the wake of a C-grid by up to 66 degrees. And there is e where fronts are about to meet and where cells
-folded, which spreads the points along the front, too; at concave corners c does the same.
+folded, which spreads the points along the front, too; at concave corners c does the same, and is divided by the square
+of the sine of half the corner's angle: Chan and Steger's a. Their S, which rises with the number of the layer, is
+`weight` here, which rises with the cells' aspect ratio, so that layers do not depend on how many are asked for. Their
+sensor d, of spacings that shrink from layer to layer, gained nothing beside the windows that look for fronts about to
+meet; their S d a with r_xixi alone left 4 of 90 horseshoes, Cs and combs whole, where all are.
 """
 
 import math
 
 from ..._numba import kernel
 from ._block_tridiagonal_kernels import solve
-from ._collision_kernels import collisions
+from ._collision_kernels import BAY, collisions, deepest_bay
+from ._end_row_kernels import end_row, given_row, lean, point_at
 from ._marching_front_kernels import (
+    AFTER,
     ALONG,
+    ASKED,
+    BEFORE,
+    BEST,
+    BOOST,
     CLOSED,
-    MIRROR,
+    CORNERS,
+    FIRST_SPACING,
+    HEIGHT,
+    LEAD,
     ON_CURVE,
+    PIN,
+    SPACING,
+    SPARE,
     SPLAY,
+    START,
+    TANGENT,
     TINY,
+    TOWARDS,
+    TURN,
+    TURNED,
+    WALL,
     copy,
     fill,
     frame_of,
@@ -43,23 +66,38 @@ CAP = 0.2  # share of the height that dissipation may take at convex corners
 PULL = 64.0  # heights by which dissipation may draw a front out of a bay in a step
 CONCAVE = 0.2  # left turn (radians) from which on flat cells have all of the dissipation, too
 THICK = 0.8  # aspect ratio, height over length, from which on cells have most of the dissipation
-LEANING = 12  # lines beside an end that lean like it, at least
-CROWDING = 4.0  # times the way by which an end has left its normal, over which lines lean like it
 SPREAD = 4  # passes that smooth the dissipation along the front
+AVERAGED = 4  # passes that average areas along the front
+NARROWEST = 0.02  # square of the sine of half a corner's angle, by the inverse of which dissipation grows, at least
 PARABOLIC = 1.0  # weight of the elliptic equation's r_xixi |r_eta|^2 / |r_xi|^2 on the way to an outer front
 UNFOLDING = 4.0  # dissipation, in aspect ratios, that cells may have to unfold others: flat ones would only slide along
 OBLIQUE = 2.0  # times the share of the way from which on heights are those along the normal, not along the line
 FLAT = 1e-9  # sine of a corner's angle below which a cell counts as folded
 SOUND = 0.05  # sine from which on a layer is taken as it is
 ATTEMPTS = 7  # each with twice as many steps
-# Rows of the scratch array, of n + 4 columns; those of vectors, SPARE and WALL (its ends) are the first of 2, 4, 2.
-SPACING, TURN, HEIGHT, BEFORE, AFTER, TURNED, BOOST, ASKED, CORNERS, LEAD = range(10)
-TANGENT, START, BEST, PIN, TOWARDS, SPARE, WALL, ROWS = 10, 12, 14, 16, 18, 20, 24, 26
 
 
 @kernel
 def march(
-    out, heights, outer, kind, frame, curves, reached, base, theta, drawing, r, d, scratch, blocks, info, first, last
+    out,
+    heights,
+    outer,
+    kind,
+    frame,
+    curves,
+    reached,
+    base,
+    theta,
+    volume,
+    averaging,
+    drawing,
+    r,
+    d,
+    scratch,
+    blocks,
+    info,
+    first,
+    last,
 ):
     """Layers ``first`` to ``last`` of a grid, out[j + 1] from out[j]; returns how many there are then.
 
@@ -79,8 +117,9 @@ def march(
         to there, with an outer front as a share of the whole.
     reached : (2,)
         How far along their curves the ends are.
-    base, theta : float
-        Dissipation in units of the cells' aspect ratio, and implicitness beyond Euler's.
+    base, theta, volume, averaging : float
+        Dissipation in units of the cells' aspect ratio, implicitness beyond Euler's, shares of the areas' smoothing
+        by the mean of all and by those around.
     drawing : float
         Share of the dissipation against collisions that draws points along the front, out of bays, instead of
         straightening the front only: where lines stand close beside lines that do not, they would all lean.
@@ -94,6 +133,9 @@ def march(
     start, best, pin = scratch[START : START + 2], scratch[BEST : BEST + 2], scratch[PIN : PIN + 2]
     closed = kind[0] == CLOSED
     before = 1.0
+    load(out[0], start)
+    ghosts(start, kind, frame)
+    frame_of(start, scratch[TANGENT : TANGENT + 2], scratch[FIRST_SPACING], scratch[TURN])
     for c in range(2):
         scratch[WALL + c, 0], scratch[WALL + c, 1] = out[0, c, 0], out[0, c, n - 1]
     for j in range(first, last):
@@ -106,7 +148,22 @@ def march(
             copy(start, r)
             for part in range(steps):
                 ask(r, heights, outer, j, part, steps, kind, scratch)
-                step(r, kind, frame, curves, reached, part + 1, base, theta, drawing, d, scratch, blocks)
+                step(
+                    r,
+                    kind,
+                    frame,
+                    curves,
+                    reached,
+                    part + 1,
+                    base,
+                    theta,
+                    volume,
+                    averaging,
+                    drawing,
+                    d,
+                    scratch,
+                    blocks,
+                )
                 for k in range(n):
                     r[0, k + 2] += d[k, 0]
                     r[1, k + 2] += d[k, 1]
@@ -200,7 +257,7 @@ def strengthen(boost, corners, closed, attempt, steps):
 
 
 @kernel
-def step(r, kind, frame, curves, reached, part, base, theta, drawing, d, scratch, blocks):
+def step(r, kind, frame, curves, reached, part, base, theta, volume, averaging, drawing, d, scratch, blocks):
     """Displacement ``d`` (n, 2) of a front by one step; ``part`` counts the steps of a layer."""
     n = d.shape[0]
     t = scratch[TANGENT : TANGENT + 2]
@@ -210,6 +267,8 @@ def step(r, kind, frame, curves, reached, part, base, theta, drawing, d, scratch
     frame_of(r, t, s, turn)
     dissipation(r, kind, base, drawing, scratch)
     mean_s, mean_turn = means(s, turn, closed)
+    average = scratch[SPARE]
+    average_areas(kind, averaging, scratch, average)
     sine, half = math.sin(-mean_turn), 2 * math.sin(-0.5 * mean_turn)
     lower, diagonal, upper, fill_in = blocks[0], blocks[1], blocks[2], blocks[3]
     for k in range(n):
@@ -218,14 +277,15 @@ def step(r, kind, frame, curves, reached, part, base, theta, drawing, d, scratch
         free = 1 - lead
         before, after = scratch[BEFORE, g], scratch[AFTER, g]
         a = 0.5 * (1 + theta) * h[g] / s[g] * free
-        m0, m1, m3 = -2 * tx * ty * a, (tx * tx - ty * ty) * a, 2 * tx * ty * a
-        lower[k, 0], lower[k, 1], lower[k, 2], lower[k, 3] = -m0 - before, -m1, -m1, -m3 - before
-        upper[k, 0], upper[k, 1], upper[k, 2], upper[k, 3] = m0 - after, m1, m1, m3 - after
+        m0, m3 = -(1 + volume) * tx * ty * a, (1 + volume) * tx * ty * a
+        m1, m2 = (tx * tx - volume * ty * ty) * a, (volume * tx * tx - ty * ty) * a
+        lower[k, 0], lower[k, 1], lower[k, 2], lower[k, 3] = -m0 - before, -m1, -m2, -m3 - before
+        upper[k, 0], upper[k, 1], upper[k, 2], upper[k, 3] = m0 - after, m1, m2, m3 - after
         both = 1 + before + after
         diagonal[k, 0], diagonal[k, 1], diagonal[k, 2], diagonal[k, 3] = both, 0.0, 0.0, both
         bend = h[g] / mean_s
-        lost = base * weight(bend, mean_turn) * half * (1 + bend * half)
-        forward = h[g] * max(0.5, 1 + (1 + theta) * bend * sine + lost) * free
+        lost = base * narrowness(mean_turn) * weight(bend, mean_turn) * half * (1 + bend * half)
+        forward = h[g] * average[g] * max(0.5, 1 + volume * (1 + theta) * bend * sine + lost) * free
         if lead > 0:  # or fronts whose lines head for a corner of the outer one would pass its sides
             straight = max(0.0, tx * scratch[TOWARDS + 1, g] - ty * scratch[TOWARDS, g])
             forward *= 1 - min(1.0, OBLIQUE * lead) * (1 - straight)
@@ -276,7 +336,8 @@ def dissipation(r, kind, base, drawing, scratch):
         concave = min(1.0, max(0.0, turn[k] / CONCAVE))
         drawn = drawing * strength[k]
         e = (1 - lead) * (drawn + PARABOLIC * lead * aspect * aspect + boost[k] * min(1.0, UNFOLDING * aspect))
-        c = (1 - lead) * (strength[k] - drawn + base * weight(aspect, turn[k]) * aspect)
+        own = base * narrowness(turn[k]) * weight(aspect, turn[k]) * aspect
+        c = (1 - lead) * (strength[k] - drawn + own)
         uneven = (1 - concave) * (after_over_mean(r, k) - 1)
         before, after = e + c * (1 + uneven), e + c * (1 - uneven)
         x, y = dissipated(r, k, before, after)
@@ -286,6 +347,35 @@ def dissipation(r, kind, base, drawing, scratch):
         elif inward < 0:
             share = min(share, PULL * asked[k] / -inward)
         scratch[BEFORE, k], scratch[AFTER, k] = share * before, share * after
+
+
+@kernel(inline=True)
+def narrowness(turn):
+    """Chan and Steger's a: the inverse square of the sine of half a concave corner's angle, 1 elsewhere."""
+    sine = math.cos(0.5 * max(0.0, turn))
+    return 1 / max(NARROWEST, sine * sine)
+
+
+@kernel
+def average_areas(kind, averaging, scratch, area):
+    """What averaging along the front makes of how cells have widened since the wall, over that; 1 where they are flat.
+
+    Chan and Steger average areas. Where points are unevenly spaced that bends straight fronts; widening is one there.
+    First heights are kept, and fronts round off as cells get thick, with mean heights as asked. In bays, where cells
+    narrow, areas stay: fronts would only meet sooner.
+    """
+    s, wall, h, other = scratch[SPACING], scratch[FIRST_SPACING], scratch[HEIGHT], scratch[SPARE + 1]
+    n = h.size - 4
+    share = averaging * max(0.0, 1 - deepest_bay(scratch[TURNED], kind[0] == CLOSED) / BAY)
+    for k in range(2, n + 2):
+        area[k] = s[k] / wall[k]
+    if share > 0:
+        smoothed(area, other, kind, AVERAGED)
+    for k in range(2, n + 2):
+        area[k] = 1 + share * weight(h[k] / s[k], 0.0) * (area[k] * wall[k] / s[k] - 1)
+    more = means(area, area, kind[0] == CLOSED)[0] - 1
+    for k in range(2, n + 2):
+        area[k] -= more
 
 
 @kernel(inline=True)
@@ -311,84 +401,3 @@ def weight(aspect, turn):
     """The share of dissipation that cells have: flat ones little, so that first heights are kept, but where concave."""
     concave = min(1.0, max(0.0, turn / CONCAVE))
     return (aspect + THICK * concave) / (aspect + THICK)
-
-
-@kernel
-def given_row(k, x, y, lower, diagonal, upper, d):
-    """Replace the equations of a point by a given displacement."""
-    for c in range(4):
-        lower[k, c], upper[k, c], diagonal[k, c] = 0.0, 0.0, 0.0
-    diagonal[k, 0], diagonal[k, 3] = 1.0, 1.0
-    d[k, 0], d[k, 1] = x, y
-
-
-@kernel
-def end_row(end, kind, direction, scratch, lower, diagonal, upper, d):
-    """Put the condition of an open front's end into its equations."""
-    k = 0 if end == 0 else d.shape[0] - 1
-    outside, inside = (lower, upper) if end == 0 else (upper, lower)
-    x, y = direction[0], direction[1]
-    if kind == MIRROR:  # the ghost's displacement is the mirror image of the neighbour's
-        r0, r1, r3 = 2 * x * x - 1, 2 * x * y, 2 * y * y - 1
-        o0, o1, o2, o3 = outside[k, 0], outside[k, 1], outside[k, 2], outside[k, 3]
-        inside[k, 0] += o0 * r0 + o1 * r1
-        inside[k, 1] += o0 * r1 + o1 * r3
-        inside[k, 2] += o2 * r0 + o3 * r1
-        inside[k, 3] += o2 * r1 + o3 * r3
-        return
-    g = k + 2
-    tx, ty, h = scratch[TANGENT, g], scratch[TANGENT + 1, g], scratch[HEIGHT, g]
-    if kind == SPLAY:  # leaning outwards by the angle of cosine x and sine y
-        out = -y if end == 0 else y
-        given_row(k, h * (out * tx - x * ty), h * (out * ty + x * tx), lower, diagonal, upper, d)
-    elif kind == ALONG:  # along a direction, as far as the neighbour
-        given_row(k, 0.0, 0.0, lower, diagonal, upper, d)
-        inside[k, 0], inside[k, 1], inside[k, 2], inside[k, 3] = -x * x, -x * y, -x * y, -y * y
-    else:  # free: normal to the front, drawn towards what the neighbour does
-        a = h / scratch[SPACING, g]
-        given_row(k, -ty * h, tx * h, lower, diagonal, upper, d)
-        diagonal[k, 0], diagonal[k, 3] = 1 + a, 1 + a
-        inside[k, 0], inside[k, 3] = -a, -a
-
-
-@kernel
-def lean(end, x, y, r, scratch, d):
-    """Let the lines beside an end lean like it, the less the farther they are, or they would run into each other.
-
-    The farther the front has come the more lines lean, so that they crowd no more than like a root of the way: over
-    four times the way by which the end has left its normal.
-    """
-    n = d.shape[0]
-    k, ahead = (0, 1) if end == 0 else (n - 1, -1)
-    h, tx, ty = scratch[HEIGHT, k + 2], scratch[TANGENT, k + 2], scratch[TANGENT + 1, k + 2]
-    x, y = x + h * ty, y - h * tx
-    away = math.sqrt((r[0, k + 2] - scratch[WALL, end]) ** 2 + (r[1, k + 2] - scratch[WALL + 1, end]) ** 2)
-    wide = CROWDING * away * abs(x * tx + y * ty) / (h + TINY)
-    width, lines = 0.0, 1
-    while lines < n - 1 and (lines < LEANING or width < wide):
-        width += scratch[SPACING, k + 2 + lines * ahead]
-        lines += 1
-    gone = 0.0
-    for q in range(1, lines):
-        gone += scratch[SPACING, k + 2 + q * ahead]
-        share = (1 - min(1.0, gone / (width + TINY))) ** 2
-        to = k + q * ahead
-        d[to, 0] += share * x
-        d[to, 1] += share * y
-
-
-@kernel
-def point_at(curve, length):
-    """The point of a polyline (x, y, length) at a length; beyond its end on its straight continuation."""
-    low, high = 0, curve.shape[0] - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if curve[middle, 2] <= length:
-            low = middle
-        else:
-            high = middle
-    share = (length - curve[low, 2]) / (curve[high, 2] - curve[low, 2])
-    return (
-        curve[low, 0] + share * (curve[high, 0] - curve[low, 0]),
-        curve[low, 1] + share * (curve[high, 1] - curve[low, 1]),
-    )

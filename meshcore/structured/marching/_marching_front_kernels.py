@@ -11,6 +11,9 @@ from ..._numba import kernel
 CLOSED, FREE, MIRROR, ALONG, ON_CURVE, SPLAY = range(6)
 TINY = 1e-300
 CORNER = 0.5  # turn (radians) from which on a point is a corner, whose normal is the bisector
+# Rows of the scratch array, of n + 4 columns; those of vectors, SPARE and WALL (its ends) are the first of 2, 4, 2.
+SPACING, TURN, HEIGHT, BEFORE, AFTER, TURNED, BOOST, ASKED, CORNERS, LEAD = range(10)
+TANGENT, START, BEST, PIN, TOWARDS, SPARE, WALL, FIRST_SPACING, ROWS = 10, 12, 14, 16, 18, 20, 24, 26, 27
 
 
 @kernel

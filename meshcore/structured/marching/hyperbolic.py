@@ -6,24 +6,22 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from ...errors import GenerationFailed, InvalidGeometry, InvalidInput
+from ...errors import GenerationFailed, InvalidInput
 from ...geometry.curves import Curve, polyline
 from ...mesh import StructuredGrid
-from ...operation import Length, Param, Port, Relative, operation
+from ...operation import Length, Param, Port, Relative, absolute, operation
 from ...progress import Progress, advance, part_of, silent
 from ...quality import summary, validate
 from ...report import Report, Result
-from ...sizing import geometric
 from ..folds import refuse_folds
 from ..layer_report import layers_told, worst_skew
 from ..limits import check_size
-from ..poisson.elliptic_problem import Asked, solved
-from . import parabolic_march
-from .fronts import Front, changes_told, read_front, reason_told, stop_told
+from .fronts import Front, changes_told, read_front, stop_told
 from .hyperbolic_march import Dissipation, Marched, marched
 from .layer_heights import checked_heights, layer_heights
 from .marching_ends import Along, End, Free, Mirror, OnCurve, Splay
 from .marching_parameters import FirstHeightParam, GrowthParam, LargestHeightParam, LayersParam, asked_heights
+from .outer_front import heights_to, marched_onto
 from .outer_points import outer_points
 
 __all__ = ["hyperbolic", "layer_heights", "marched"]
@@ -46,7 +44,7 @@ def hyperbolic(
     ] = None,
     outer: Annotated[
         Curve | None,
-        Port("Curve to end at where the march cannot go on", cells=("line",), named=True),
+        Port("Curve at which the layers end, in place of a distance", cells=("line",), named=True),
     ] = None,
     *,
     first_height: FirstHeightParam = Relative(0.001),
@@ -70,6 +68,13 @@ def hyperbolic(
     implicitness: Annotated[
         float, Param("How far the equations look ahead beyond the next layer", min=0, max=4, advanced=True)
     ] = Dissipation.implicitness,
+    volume_smoothing: Annotated[
+        float,
+        Param("1 widens all cells of a layer alike, 0 keeps heights at each point", min=0, max=1, advanced=True),
+    ] = Dissipation.volume_smoothing,
+    volume_averaging: Annotated[
+        float, Param("How far thick cells widen like those around", min=0, max=1, advanced=True)
+    ] = Dissipation.volume_averaging,
     heights: np.ndarray | None = None,
     progress: Progress = silent,
 ) -> Result:
@@ -93,8 +98,9 @@ def hyperbolic(
     first_curve, last_curve : Mesh or (m, 3) float, optional
         In the same plane, from the front's first or last point on.
     outer : Mesh or (m, 3) float, optional
-        Where the march cannot go on, the rest of the layers is made by the parabolic
-        scheme, or else by the elliptic equations, and ends on this curve.
+        Where layers end, in place of a distance. They are marched half of the least way, and then drawn onto it as
+        those of `parabolic`, or else by the elliptic equations. With no number of layers, it is such that heights grow
+        by `growth` on the longest way.
     first_height : Length
         Height of the first layer.
     growth : float
@@ -113,9 +119,15 @@ def hyperbolic(
     splay : float
         Degrees by which ends that splay lean outwards.
     smoothing : float
-        Dissipation in units of the cells' aspect ratio.
+        Dissipation in units of the cells' aspect ratio: Chan and Steger's epsilon (pyHyp's epsE, and epsI).
     implicitness : float
-        Kinsey and Barth's theta.
+        Kinsey and Barth's theta (pyHyp's theta): how far the equations look ahead beyond the next layer.
+    volume_smoothing : float
+        How far all cells of a layer widen alike (pyHyp's volBlend): 1 shares all of it, so that a circle stays one; 0
+        keeps heights at each point as well as dissipation lets them.
+    volume_averaging : float
+        How far cells widen like those around as they get thick (in place of pyHyp's volCoef and volSmoothIter). Lines
+        off corners get less skew, fronts round sharp edges less round.
     heights : (layers,) or (layers, n) float, optional
         Heights of layers in place of all that is said of them, the same everywhere or for each of the front's points.
     progress : Progress, optional
@@ -140,7 +152,9 @@ def hyperbolic(
     Notes
     -----
     The equations of orthogonality and area are linearised about the last layer and solved implicitly, with dissipation
-    that grows with the cells' aspect ratio and, like the square of a bay's points, where fronts are about to meet.
+    that grows with the cells' aspect ratio, at concave corners with the inverse square of the sine of half their angle,
+    and, like the square of a bay's points, where fronts are about to meet. Dissipation is implicit as far as it is
+    explicit, and not scaled by the number of the layer, so that fewer layers are the first ones of more.
 
     References
     ----------
@@ -157,30 +171,39 @@ def hyperbolic(
     ready = read_front(front, other_side=other_side)
     target = None if outer is None else outer_points(ready, outer)
     check_size(len(ready.points) + 1, (layers or 1) + 1, parameter="layers")
-    thickness = _asked_heights(heights, ready, first_height, growth, layers, distance, largest_height)
+    asked = first_height, growth, layers, distance, largest_height
+    thickness = _asked_heights(ready, target, asked) if heights is None else _given_heights(ready, heights)
     check_size(len(ready.points) + 1, len(thickness) + 1, parameter="layers")
     ends = _ends(ready, (first_end, last_end), (first_curve, last_curve), splay)
-    result = marched(
-        ready.points,
-        thickness,
-        closed=ready.closed,
-        ends=ends,
-        dissipation=Dissipation(smoothing, implicitness),
-        progress=part_of(progress, 0.0, 0.6),
-    )
-    if result.stop is not None and target is not None:
-        result = _continued(ready, result, thickness, target, part_of(progress, 0.6, 0.8))
+    dissipation = Dissipation(smoothing, implicitness, volume_smoothing, volume_averaging)
+    step = part_of(progress, 0.0, 0.8)
+    if target is None:
+        result = marched(
+            ready.points, thickness, closed=ready.closed, ends=ends, dissipation=dissipation, progress=step
+        )
+    else:
+        result = marched_onto(ready, thickness, outer, ends=ends, dissipation=dissipation, progress=step)
     advance(progress, 0.8, "checking the grid")
     return _reported(ready, result, thickness)
 
 
-def _asked_heights(given, ready, first_height, growth, layers, distance, largest) -> np.ndarray:
-    if given is not None:
-        given = checked_heights(given, len(ready.points))
-        if ready.reversed:
-            given = np.roll(given[:, ::-1], 1, axis=1) if ready.closed else given[:, ::-1]
-        return given[:, 0] if given.shape[1] == 1 else given
-    return asked_heights(first_height, growth, layers, distance, largest, diagonal=ready.diagonal)
+def _given_heights(ready: Front, given: np.ndarray) -> np.ndarray:
+    """Heights that were given, in the order of the front as it marches."""
+    given = checked_heights(given, len(ready.points))
+    if ready.reversed:
+        given = np.roll(given[:, ::-1], 1, axis=1) if ready.closed else given[:, ::-1]
+    return given[:, 0] if given.shape[1] == 1 else given
+
+
+def _asked_heights(ready: Front, target: np.ndarray | None, asked: tuple) -> np.ndarray:
+    """Heights as the parameters ask for them, up to the outer points if there are any."""
+    if target is None:
+        return asked_heights(*asked, diagonal=ready.diagonal)
+    first_height, growth, layers, distance, largest = asked
+    for name, value in (("distance", distance), ("largest_height", largest)):
+        if value is not None:
+            raise InvalidInput("is given beside an outer curve, which says how far layers go", parameter=name)
+    return heights_to(ready, target, absolute(first_height, ready.diagonal), growth, layers)
 
 
 def _ends(ready: Front, choices: tuple[str, str], curves: tuple, splay: float) -> tuple[End, End]:
@@ -198,44 +221,6 @@ def _ends(ready: Front, choices: tuple[str, str], curves: tuple, splay: float) -
             fixed = {"free": Free(), "plane": Mirror(), "constant x": Along((0, 1)), "constant y": Along((1, 0))}
             ends.append(Splay(splay) if choice == "splay" else fixed[choice])
     return (ends[1], ends[0]) if ready.reversed else (ends[0], ends[1])
-
-
-def _continued(ready: Front, result: Marched, heights: np.ndarray, target: np.ndarray, progress: Progress) -> Marched:
-    """The layers of a march that stopped, or as many of them as need be, and others from there to the outer points."""
-    made = result.stop.layer
-    tries = [("parabolic", k) for k in dict.fromkeys((made, max(0, made - 2), max(0, made - 8), made // 2))]
-    tries += [("elliptic", k) for k in dict.fromkeys((max(0, made - 2), made // 2, 0))]
-    for scheme, kept in tries:
-        start, layers = result.points[:, kept], max(2, len(heights) - kept)
-        reach = np.linalg.norm(target - start, axis=1)
-        if reach.min() == 0:
-            continue
-        first = np.broadcast_to(heights[min(kept, len(heights) - 1)], reach.shape) / reach
-        fractions = np.array([geometric(layers, first=f) for f in np.clip(first, 1e-11, 1 / layers)]).T
-        rest = _rest(scheme, ready, start, target, fractions, progress)
-        if rest is not None:
-            ready.warnings.append(
-                f"beyond layer {kept} it is {scheme} and ends on the outer curve, since after layer {made} "
-                f"{reason_told(result.stop, ready)}"
-            )
-            return Marched(np.concatenate([result.points[:, : kept + 1], rest[:, 1:]], axis=1), result.split, None)
-    return result
-
-
-def _rest(scheme: str, ready: Front, start, target, fractions, progress: Progress) -> np.ndarray | None:
-    """(n, layers + 1, 2) points from a front to the outer curve by another scheme; None if it finds no sound grid."""
-    if scheme == "parabolic":
-        rest = parabolic_march.marched(start, target, fractions, closed=ready.closed, progress=progress)
-        return rest.points if rest.stop is None else None
-    straight = start[:, None] + fractions.T[..., None] * (target - start)[:, None]
-    grid = StructuredGrid(
-        np.concatenate([straight, straight[:1]]) if ready.closed else straight, periodic=(ready.closed, False, False)
-    )
-    try:
-        points = solved(grid, Asked(control="boundary spacing"), progress).mesh.points[:, :, 0, :2]
-    except (GenerationFailed, InvalidGeometry):
-        return None
-    return points[:-1] if ready.closed else points
 
 
 def _reported(ready: Front, result: Marched, asked: np.ndarray) -> Result:

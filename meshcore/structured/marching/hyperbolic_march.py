@@ -24,7 +24,7 @@ MOST_BASE = 2.0
 
 @dataclass(frozen=True)
 class Dissipation:
-    """How much the front is smoothed while it marches.
+    """How much the front, and the areas of its cells, are smoothed while it marches.
 
     Parameters
     ----------
@@ -34,6 +34,10 @@ class Dissipation:
     implicitness : float
         Kinsey and Barth's theta: how far the equations look ahead beyond the next layer; 0 to 4. More keeps lines
         apart in concave regions.
+    volume_smoothing : float
+        1 widens all cells of a layer alike, 0 keeps heights at each point.
+    volume_averaging : float
+        From 0 to 1: how far thick cells widen like those around. Lines off corners get less skew, fronts less round.
 
     References
     ----------
@@ -42,9 +46,12 @@ class Dissipation:
 
     base: float = 0.3
     implicitness: float = 0.0
+    volume_smoothing: float = 1.0
+    volume_averaging: float = 0.0
 
     def __post_init__(self) -> None:
-        for name, most in (("base", MOST_BASE), ("implicitness", 4.0)):
+        limits = {"base": MOST_BASE, "implicitness": 4.0, "volume_smoothing": 1.0, "volume_averaging": 1.0}
+        for name, most in limits.items():
             value = getattr(self, name)
             if not 0 <= value <= most:
                 raise InvalidInput(f"must lie between 0 and {most:g}, got {value}", parameter=name)
@@ -177,8 +184,9 @@ def _march(front, heights, outer, conditions, dissipation, progress, drawing) ->
     out = np.empty((layers + 1, 2, n))
     out[0] = front.T
     info, reached = np.zeros(2, np.int64), np.zeros(2)
-    scratch = np.zeros((2, n + 4)), np.zeros((n, 2)), np.zeros((kernels.ROWS, n + 4)), np.zeros((4, n, 4))
-    numbers = dissipation.base, dissipation.implicitness, float(drawing)
+    scratch = np.zeros((2, n + 4)), np.zeros((n, 2)), np.zeros((fronts.ROWS, n + 4)), np.zeros((4, n, 4))
+    d = dissipation
+    numbers = d.base, d.implicitness, d.volume_smoothing, d.volume_averaging, float(drawing)
     made, chunk = 0, max(1, POINTS_A_CHUNK // n)
     while made < layers:
         advance(progress, made / layers, "marching")

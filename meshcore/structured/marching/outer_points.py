@@ -11,10 +11,11 @@ from ..limits import check_extent
 from .fronts import Front
 
 EVENNESS = 0.5
-"""Share of the outer curve's points that stand evenly; the rest follow the front's own spacing."""
+"""Share of the outer curve's points that stand evenly; the rest follow the front's own spacing. A front that has come
+half of the way has evened out by itself."""
 
 
-def outer_points(ready: Front, curve: Curve) -> np.ndarray:
+def outer_points(ready: Front, curve: Curve, evenness: float = EVENNESS) -> np.ndarray:
     """(n, 2) float: points of the outer curve for those of the front, in its direction.
 
     With as many points as the front the curve's own are kept, from the one on that is nearest to the front's first.
@@ -51,7 +52,7 @@ def outer_points(ready: Front, curve: Curve) -> np.ndarray:
         straight = np.linalg.norm(ends - front[[0, -1]], axis=1).sum()
         if np.linalg.norm(ends[::-1] - front[[0, -1]], axis=1).sum() < straight:
             points = points[::-1]
-        return points if len(points) == n else resampled(points, _shares(front, points, closed=False))
+        return points if len(points) == n else resampled(points, _shares(front, points, evenness, closed=False))
     ring = points[:-1]
     refuse_outside(front, ring, ready.plane, "front")
     x, y = (ring - ring[0]).T
@@ -60,7 +61,7 @@ def outer_points(ready: Front, curve: Curve) -> np.ndarray:
     if len(ring) == n:
         return np.roll(ring, -int(np.argmin(np.linalg.norm(ring - front[0], axis=1))), axis=0)
     ring = _begun_beside(ring, front)
-    return resampled(ring, _shares(front, ring, closed=True))[:-1]
+    return resampled(ring, _shares(front, ring, evenness, closed=True))[:-1]
 
 
 def _begun_beside(ring: np.ndarray, front: np.ndarray) -> np.ndarray:
@@ -81,14 +82,14 @@ def _begun_beside(ring: np.ndarray, front: np.ndarray) -> np.ndarray:
     return begun[np.concatenate([[True], (np.diff(begun, axis=0) != 0).any(axis=1)])]
 
 
-def _shares(front: np.ndarray, curve: np.ndarray, *, closed: bool) -> np.ndarray:
+def _shares(front: np.ndarray, curve: np.ndarray, evenness: float, *, closed: bool) -> np.ndarray:
     """Where the front's points stand along the outer curve, from 0 to 1: evenly in part, in part as on the front.
 
     The nearest points move to the curve's corners.
     """
     line = np.concatenate([front, front[:1]]) if closed else front
     length, along = arc_length(line), arc_length(curve)
-    shares = EVENNESS * np.linspace(0, 1, len(line)) + (1 - EVENNESS) * length / length[-1]
+    shares = evenness * np.linspace(0, 1, len(line)) + (1 - evenness) * length / length[-1]
     turn = turning(curve[:-1] if closed else curve)
     for corner in np.flatnonzero(np.abs(turn) > NOTICEABLE):
         at = along[corner] / along[-1]
