@@ -139,10 +139,10 @@ def _first_heights(lines: list[np.ndarray], section: np.ndarray, asked: float) -
 
 def _distance(point: np.ndarray, section: np.ndarray) -> float:
     """From a point to the closed outline through (n, 3) points."""
-    return _to_edges(point, section, np.roll(section, -1, axis=0))
+    return to_edges(point, section, np.roll(section, -1, axis=0))
 
 
-def _to_edges(point: np.ndarray, start: np.ndarray, stop: np.ndarray) -> float:
+def to_edges(point: np.ndarray, start: np.ndarray, stop: np.ndarray) -> float:
     """From a point to the nearest of straight edges."""
     edge = stop - start
     t = np.clip(((point - start) * edge).sum(axis=1) / np.maximum((edge**2).sum(axis=1), 1e-300), 0, 1)
@@ -156,7 +156,7 @@ def _kept(walls: list[np.ndarray], section: np.ndarray, spikes: bool) -> bool:
     lost = section[cKDTree(points).query(section)[0] > hair]
     new = points[cKDTree(section).query(points)[0] > hair]
     edges = np.stack([np.concatenate([w[:-1] for w in walls]), np.concatenate([w[1:] for w in walls])])
-    return (spikes or all(_to_edges(point, *edges) <= hair for point in lost)) and all(
+    return (spikes or all(to_edges(point, *edges) <= hair for point in lost)) and all(
         _distance(point, section) <= hair for point in new
     )
 

@@ -8,8 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...mesh import StructuredGrid
+from ...quality import summary
 from ..folds import folded_cells
 from .lines_out import lengths_along
+from .spreading import SPREADS, spread_with_height
 
 WITHIN = 0.01
 """Error of a first height from which on its line is corrected."""
@@ -18,10 +21,17 @@ _FADE = 0.02
 _FEWEST = 10
 """Cells that a correction is spread over, at least."""
 _TRIES = 4
+_WORSE, _SOUND = 0.5, 0.25
+"""Share of the worst scaled Jacobian that must be left if lines move alone, and what is enough in any case."""
+
+
+def worst_jacobian(points: np.ndarray) -> float:
+    """The worst scaled Jacobian of a plane grid's (n, m, 3) points; 0 if cells are folded."""
+    return 0.0 if folded_cells(points).any() else summary(StructuredGrid(points))["worst scaled jacobian"]
 
 
 def with_first_heights(points: np.ndarray, heights: np.ndarray) -> np.ndarray:
-    """The same lines with points on them that begin at the right heights; lines that would fold stay.
+    """The same lines with points on them that begin at the right heights; lines that would fold all the same stay.
 
     Parameters
     ----------
@@ -33,7 +43,8 @@ def with_first_heights(points: np.ndarray, heights: np.ndarray) -> np.ndarray:
     Returns
     -------
     (n, m, 3) float
-        A line's points move by the factor that its first height lacks, less and less towards its end.
+        A line's points move by the factor that its first height lacks, less and less towards its end. If that folds
+        cells, or makes them much worse, lines share what they lack with more of their neighbours the higher they are.
 
     Examples
     --------
@@ -48,10 +59,15 @@ def with_first_heights(points: np.ndarray, heights: np.ndarray) -> np.ndarray:
     reached = np.linalg.norm(points[:, 1] - points[:, 0], axis=1)
     lacking = np.log(heights / reached)
     lacking[np.abs(lacking) < WITHIN] = 0.0
+    if not lacking.any():
+        return points
+    least = min(_WORSE * worst_jacobian(points), _SOUND)
+    for spread in SPREADS:
+        moved = _moved(points, lacking, spread)
+        if worst_jacobian(moved) > least:
+            return moved
     for _ in range(_TRIES):
-        if not lacking.any():
-            return points
-        moved = _moved(points, lacking)
+        moved = _moved(points, lacking, SPREADS[-1])
         unsound = folded_cells(moved).any(axis=1)
         if not unsound.any():
             return moved
@@ -63,17 +79,18 @@ def with_first_heights(points: np.ndarray, heights: np.ndarray) -> np.ndarray:
     return points
 
 
-def _moved(points: np.ndarray, lacking: np.ndarray) -> np.ndarray:
+def _moved(points: np.ndarray, lacking: np.ndarray, spread: float) -> np.ndarray:
     """Points at distances along their lines that are multiplied by exp(lacking) first, by 1 at last."""
     cells = points.shape[1] - 1
     length = lengths_along(points)
     fade = np.clip(np.abs(lacking).max() / _FADE, min(_FEWEST, cells - 1), cells - 1)
-    share = np.clip(1 - (np.arange(cells + 1) - 1) / fade, 0, 1)
-    share = share**2 * (3 - 2 * share)  # without a kink, which splines through the points would swing about
-    share[0] = 1.0
-    wanted = length * np.exp(lacking[:, None] * share)
+    share = np.clip(1 - np.arange(cells) / fade, 0, 1)
+    amounts = lacking[:, None] * share**2 * (3 - 2 * share)  # no kink, which splines would swing about
+    if spread:
+        amounts = spread_with_height(amounts, points, spread)
+    wanted = np.column_stack([length[:, 0], length[:, 1:] * np.exp(amounts)])
     moved = points.copy()
-    for i in np.flatnonzero(lacking):
+    for i in np.flatnonzero(amounts.any(axis=1)):
         if (np.diff(wanted[i]) > 0).all():
             moved[i] = np.column_stack([np.interp(wanted[i], length[i], x) for x in points[i].T])
     return moved

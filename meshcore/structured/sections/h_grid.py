@@ -194,12 +194,10 @@ def _lines(region: Region, method: str, height: float, layers: int | None, growt
     if lines.method == "elliptic":
         kept_angles = np.ones(len(whole)) if kept else _at_corners(region)
         outside, told = _smoothed(outside, kept_angles, part_of(progress, 0.4, 1.0))
-    made = evenly_growing(region, outside.points[:, :, 0, :2], height if kept == 0 else None)
-    if kept == 0:  # heights of layers round an edge are those of its bends
-        made = _begun_at(made, height)
+    made = np.concatenate([lines.points[:, :kept], outside.points[:, :, 0, :2]], axis=1)
+    made = _begun_at(evenly_growing(region, made, height), height)
     beyond = "beyond the layers that round the edge: " if kept else ""
-    whole = np.concatenate([lines.points[:, :kept], made], axis=1)
-    return lines._replace(points=whole, warnings=[*lines.warnings, *(beyond + text for text in told)])
+    return lines._replace(points=made, warnings=[*lines.warnings, *(beyond + text for text in told)])
 
 
 def _begun_at(points: np.ndarray, height: float) -> np.ndarray:

@@ -10,6 +10,7 @@ from .h_regions import Region
 from .lines_out import geometric_lines
 from .respacing import respaced
 from .section_result import scaled_jacobians
+from .spreading import SPREADS
 from .unwrapped import free_reach, leaving, normals, shifts_beyond
 
 _BENDS = (0.3, 0.1, 0.03)
@@ -111,7 +112,7 @@ def steps_up(region: Region, target: np.ndarray, height: float, layers: int) -> 
     return np.diff([geometric(layers, first=min(height / length, 1 / layers)) for length in reach]) * reach[:, None]
 
 
-def evenly_growing(region: Region, points: np.ndarray, height: float | None) -> np.ndarray:
+def evenly_growing(region: Region, points: np.ndarray, height: float) -> np.ndarray:
     """Lines with points on them whose first heights are as asked and grow evenly, unless cells get much worse.
 
     Parameters
@@ -120,19 +121,20 @@ def evenly_growing(region: Region, points: np.ndarray, height: float | None) -> 
         Which they fill.
     points : (n, layers + 1, 2) float
         The lines, inflow and outflow first and last.
-    height : float, optional
-        Of the first points; by default as it is.
+    height : float
+        Of the first points.
     """
-    heights = np.linalg.norm(points[:, 1] - points[:, 0], axis=1)
-    found = respaced(
-        points, heights if height is None else np.full(len(points), height), slice(region.nose, region.tail + 1)
-    )
-    if found is None:
-        return points
-    for line, end in ((0, region.left), (-1, region.right)):
-        found[line] = _onto_line(found[line], end)
-    worst = [scaled_jacobians(lines).min() for lines in (found, points)]
-    return found if worst[0] > min(_WORSE * worst[1], _SOUND) else points
+    heights = np.full(len(points), height)
+    least = min(_WORSE * scaled_jacobians(points).min(), _SOUND)
+    for spread in SPREADS:
+        found = respaced(points, heights, slice(region.nose, region.tail + 1), spread)
+        if found is None:
+            continue
+        for line, end in ((0, region.left), (-1, region.right)):
+            found[line] = _onto_line(found[line], end)
+        if scaled_jacobians(found).min() > least:
+            return found
+    return points
 
 
 def _onto_line(points: np.ndarray, line: np.ndarray) -> np.ndarray:

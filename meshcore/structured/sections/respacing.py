@@ -17,6 +17,7 @@ from scipy.interpolate import CubicSpline
 from ...errors import InvalidInput
 from ...sizing import geometric
 from .lines_out import lengths_along
+from .spreading import spread_with_height
 
 _PASSES, _GAIN = 12, 0.8
 """Corrections at most, as long as each leaves no more than this share of the error."""
@@ -24,7 +25,9 @@ _NEAR = 1e-4
 """Relative error of heights over the section that is near enough."""
 
 
-def respaced(points: np.ndarray, heights: np.ndarray, judged: slice = slice(None)) -> np.ndarray | None:
+def respaced(
+    points: np.ndarray, heights: np.ndarray, judged: slice = slice(None), spread: float = 0.0
+) -> np.ndarray | None:
     """The grid with first heights as given, and layers whose mean heights grow by one factor.
 
     Parameters
@@ -35,6 +38,8 @@ def respaced(points: np.ndarray, heights: np.ndarray, judged: slice = slice(None
         Of the first cells.
     judged : slice
         Lines of which the mean heights are taken, such as those from the section.
+    spread : float
+        Width, in heights over the section, over which layers share what lines lack, so that none has a kink.
 
     Returns
     -------
@@ -60,10 +65,13 @@ def respaced(points: np.ndarray, heights: np.ndarray, judged: slice = slice(None
     except InvalidInput:
         return None
     t = _placed(line, start, lambda lengths: lengths[judged].mean(axis=0)[None], wanted[None])
-    common = lengths_along(line(t))[:, 1:]
+    evenly = line(t)
+    common = lengths_along(evenly)[:, 1:]
     share = np.arange(1, layers + 1) / layers
     share = share**2 * (3 - 2 * share)
     blended = (1 - share) * own + share * common
+    if spread:
+        blended = common * np.exp(spread_with_height(np.log(blended / common), evenly, spread))
     blended *= wanted / blended[judged].mean(axis=0)
     if (np.diff(blended, axis=1) <= 0).any():
         return None

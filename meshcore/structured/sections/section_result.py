@@ -10,14 +10,14 @@ from ...mesh import StructuredGrid
 from ...progress import Progress, advance
 from ...quality import summary, validate
 from ...report import Report, Result
-from ..folds import corner_products, folded_cells, refuse_folds
+from ..folds import corner_products, refuse_folds
 from ..layer_report import layers_told, worst_skew
-from .first_heights import WITHIN, with_first_heights
+from .first_heights import WITHIN, with_first_heights, worst_jacobian
 from .respacing import respaced
 from .section_smoothing import ANGLES, smoothed
 from .section_walls import first_heights, wall_of
+from .spreading import SPREADS
 
-_WORST = "worst scaled jacobian"
 _WORSE = 0.5
 """Share of the worst scaled Jacobian that must be left if layers are respaced."""
 
@@ -95,15 +95,24 @@ def finished(
 def _evenly_growing(grid: StructuredGrid, heights: np.ndarray, past: int, wake: int) -> StructuredGrid:
     """The grid with its layers beyond the first ``past`` respaced, unless that makes cells much worse or heights."""
     lines = grid.points[:, past:, 0]
-    found = respaced(lines, heights, slice(wake, len(lines) - wake))
-    if found is None:
-        return grid
-    if grid.periodic[0]:
-        found[-1] = found[0]
-    even = grid.with_points(np.concatenate([grid.points[:, :past], found[:, :, None]], axis=1))
-    worst = [0.0 if folded_cells(g.points[:, :, 0]).any() else summary(g)[_WORST] for g in (even, grid)]
-    off = [float(np.abs(first_heights(g, past) / heights - 1).max()) for g in (even, grid)]
-    return even if worst[0] > _WORSE * worst[1] and off[0] <= max(off[1], WITHIN) else grid
+    worst, off = _figures(grid, heights, past)
+    for spread in SPREADS:
+        found = respaced(lines, heights, slice(wake, len(lines) - wake), spread)
+        if found is None:
+            continue
+        if grid.periodic[0]:
+            found[-1] = found[0]
+        even = grid.with_points(np.concatenate([grid.points[:, :past], found[:, :, None]], axis=1))
+        reached = _figures(even, heights, past)
+        if reached[0] > _WORSE * worst and reached[1] <= max(off, WITHIN):
+            return even
+    return grid
+
+
+def _figures(grid: StructuredGrid, heights: np.ndarray, past: int) -> tuple[float, float]:
+    """The worst scaled Jacobian, 0 if cells are folded, and the largest relative error of first heights."""
+    off = float(np.abs(first_heights(grid, past) / heights - 1).max())
+    return worst_jacobian(grid.points[:, :, 0]), off
 
 
 def _of_walls(grid: StructuredGrid, wake: int) -> np.ndarray:

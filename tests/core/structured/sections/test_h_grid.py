@@ -9,6 +9,8 @@ from meshcore.errors import InvalidGeometry, InvalidInput
 from meshcore.geometry.curves import polyline
 from meshcore.structured import Curvilinear
 from tests import naive
+from tests.section_families import section_of
+from tests.section_trials import tried
 
 X = np.linspace(0, 1, 21)
 SLIT = np.column_stack([X, 0 * X])
@@ -187,6 +189,34 @@ def test_operators_go_through_the_cuts():
 def test_bad_input_gets_a_clear_error(section, keywords, error, words):
     with pytest.raises(error, match=words):
         mc.h_grid(section, **keywords)
+
+
+@pytest.mark.parametrize("method", ["transfinite", *METHODS])
+def test_layers_begin_as_asked_beside_blunt_edges_and_grow_evenly(method):
+    """They were up to 2.2 times as high, and grew by 1.5 where the march went on from the layers round the edge."""
+    blocks, report = mc.h_grid(SECTIONS["naca0012"], method=method)
+    assert_sound(blocks)
+    assert report.quality["least first height / asked"] > 0.98
+    assert report.quality["largest first height / asked"] < 1.02
+    assert report.quality["largest growth"] < (1.3 if method == "hyperbolic" else 1.2)
+
+
+@pytest.mark.parametrize(
+    ("family", "k", "method"),
+    [
+        ("NACA 5", 1, "transfinite"),
+        ("NACA 5", 1, "elliptic"),
+        ("PARSEC", 5, "parabolic"),
+        ("measured", 7, "hyperbolic"),
+        ("ellipse", 19, "hyperbolic"),
+        ("vehicle", 24, "parabolic"),
+        ("Bezier", 66, "parabolic"),
+        ("plate", 111, "transfinite"),
+    ],
+)
+def test_first_heights_in_the_corners_between_section_and_cuts_are_those_asked_for(family, k, method):
+    trial = tried("H", method, section_of(family, 900, k))
+    assert trial.word == "sound" and trial.heights == 0, trial
 
 
 def test_two_tips_with_a_bay_between_them_are_no_flat_front():
