@@ -85,7 +85,8 @@ def lines_by(
         From where a hyperbolic march arrives to points of the far field, if it is to be met.
     """
     found = _by(method, points, closed, plane, progress, kept, onto)
-    if bound or method == "hyperbolic" or found.method != "elliptic" or not found.warnings:
+    tried = method == "hyperbolic" and onto is None
+    if bound or tried or found.method != "elliptic" or not found.warnings:
         return found
     marched = _marched(points, "hyperbolic", closed, plane, progress, kept)
     if marched.method != "hyperbolic":

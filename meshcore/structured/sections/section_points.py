@@ -139,21 +139,26 @@ class Points:
 
         ``own`` and ``upper`` are lengths at which its own points stand, and those of the upper side.
         """
-        ends = {"first": "trailing_spacing", "last": "leading_spacing"}
-        if name in self.spacings:
-            spacing, ends = self.spacings[name], {}
-        elif self.law in ("as given", "copied"):
-            source = own if self.law == "as given" else upper
-            spacing = Spacing("copied", source=np.column_stack([source, 0 * source]))
-        else:
-            spacing = None
+        source = own if self.law == "as given" else upper
         try:
-            spacing = spacing or Spacing(self.law, first=self.trailing, last=self.leading)
+            spacing = self.spacings.get(name) or self._law(np.column_stack([source, 0 * source]))
             return spacing.fractions(cells, side, diagonal=self.diagonal)
         except InvalidInput as error:
+            ends = {"first": "trailing_spacing", "last": "leading_spacing"}
             parameter = "spacings" if name in self.spacings else ends.get(error.parameter, "law_i")
             text = str(error).partition(": ")[2].replace("and last are", "and leading_spacing are")
             raise InvalidInput(text, parameter=parameter) from None
+
+    def _law(self, source: np.ndarray) -> Spacing:
+        """The law of a side that has none of its own; ``source`` is what is copied if neither is one asked for."""
+        ends = {"first": self.trailing, "last": self.leading}
+        if self.law == "copied":
+            return Spacing("copied", source=source, **ends)
+        if self.law != "as given":
+            return Spacing(self.law, **ends)
+        if self.trailing is None and self.leading is None:
+            return Spacing("copied", source=source)
+        return Spacing("hyperbolic tangent", **ends)
 
 
 def respaced_section(section: Section, asked: Points) -> Section:

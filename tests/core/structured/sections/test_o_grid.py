@@ -224,6 +224,13 @@ def test_a_box_keeps_its_corners(method):
     assert np.abs(np.abs(outer - [0.5, 0]).max(axis=1) - 3).max() < 1e-6
 
 
+@pytest.mark.parametrize("section", [gallery.circle(3), np.array([[0, 0], [1, 0], [0.3, 0.8], [0, 0]])])
+def test_where_lines_are_too_few_for_a_box_the_far_field_is_where_they_arrive(section):
+    grid, report = mc.o_grid(section, far_field="box")
+    assert_sound(grid)
+    assert any("the far field is where that arrives" in text for text in report.warnings)
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_a_given_far_field_is_met(method):
     angle = 2 * np.pi * np.arange(181) / 180

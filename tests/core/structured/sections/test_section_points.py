@@ -62,6 +62,8 @@ def test_one_side_by_a_law_leaves_the_other_as_it_is():
     was = np.linalg.norm(np.diff(np.vstack([section.loop, section.loop[:1]]), axis=0), axis=1)
     assert lower == pytest.approx(was[len(upper) :][::-1])
     assert upper[0] < 0.1 * upper.max() > upper[-1]
+    upper, lower, _ = on(section, trailing=0.004, spacings={"upper": Spacing("cosine")})
+    assert lower[0] == pytest.approx(0.004, rel=1e-2) and upper[0] < 0.003
     upper, lower, _ = on(section, 101, "copied")
     assert np.abs(len(upper) - len(lower)) <= 1
     upper, lower, _ = on(section, 100, "copied")
@@ -88,6 +90,7 @@ def test_relative_lengths_in_spacings_are_relative_to_the_section():
     ("keywords", "words"),
     [
         ({"law_i": "uniform", "trailing_spacing": 0.01}, "trailing_spacing: is no number of the law 'uniform'"),
+        ({"law_i": "copied", "trailing_spacing": 0.01}, "trailing_spacing: is no number of the law 'copied'"),
         ({"law_i": "cosine", "leading_spacing": 0.01}, "leading_spacing: is no number of the law 'cosine'"),
         (
             {"law_i": "geometric", "leading_spacing": 0.01, "trailing_spacing": 0.01},
