@@ -48,7 +48,7 @@ class Asked:
         Control functions from the start's boundary, or from all of a start that needs little more than smoothing: with
         walls it is solved from there.
     height_aim : float
-        Error of first heights at walls, as a share, that is worked for.
+        Error of first heights at walls, as a share, that is worked for, and enough if it is more than `HEIGHT_WITHIN`.
     control_functions : P and Q, or None
         The user's control functions.
     attractors : sequence of Attractor

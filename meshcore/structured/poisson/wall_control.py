@@ -320,7 +320,8 @@ def controlled(
 ) -> Controlled:
     """Solve on the finest of ``levels`` with control functions ``growth`` and those that the walls come to need.
 
-    The finest level's grid is improved as it is, unless it is to be found ``anew`` from the coarser ones.
+    The finest level's grid is improved as it is, unless it is to be found ``anew`` from the coarser ones. Where heights
+    cannot be had within ``height_aim`` `HEIGHT_WITHIN` will do.
     """
     finest = levels.levels[0]
     unit = max(finest.residual(), ROUNDING / RESIDUAL_WITHIN)
@@ -337,7 +338,7 @@ def controlled(
         angle, height = went.angle, went.height
         settled = angle < ANGLE_WITHIN and residuals[-1] < RESIDUAL_WITHIN * unit
         worst.append(angle / ANGLE_WITHIN + height / height_aim)
-        if settled and height < HEIGHT_WITHIN and worst[-1] < best[0]:
+        if settled and height < max(HEIGHT_WITHIN, height_aim) and worst[-1] < best[0]:
             best = worst[-1], went, r.copy()
         if damping == 1 and _stalled(worst, SHORT_PATIENCE):
             damping, worst = DAMPED, worst[-1:]

@@ -20,6 +20,8 @@ from .section_walls import first_heights, wall_of
 ANGLES = "error of wall angles (degree)"
 _HOPELESS = 0.02
 """Share of folded cells from which on they are not unfolded one by one."""
+_HEIGHTS = 0.1
+"""Error of first heights that is left to points moving along their lines."""
 _DEEPER, _FEWEST = (1.0, 4.0), 8
 """Heights, in edges of the wall, of layers that stay where the wall cannot be held, and the fewest layers beyond."""
 
@@ -131,6 +133,6 @@ def _solved(
 ) -> tuple[StructuredGrid, Report] | None:
     """The elliptic grid and its report; None if it folds."""
     try:
-        return solved(grid, Asked(walls=walls, height_aim=HEIGHT_WITHIN, **limits), progress)
+        return solved(grid, Asked(walls=walls, height_aim=_HEIGHTS, **limits), progress)
     except (GenerationFailed, InvalidGeometry):
         return None

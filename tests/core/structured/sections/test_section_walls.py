@@ -92,3 +92,10 @@ def test_lines_of_a_c_grid_of_dense_points_keep_their_angles_away_from_the_edge(
     away = slice(wake + 100, len(lines) - wake - 100)
     assert np.degrees(np.abs(np.arcsin(cosine[away]))).max() < 1.0
     assert scaled_jacobians(grid.points[:, :, 0, :2]).min() > 0.7
+
+
+@pytest.mark.parametrize("make", [mc.o_grid, mc.c_grid])
+def test_no_cycle_is_spent_on_heights_that_points_moving_along_lines_reach(make):
+    _, report = make(airfoil(200), method="elliptic")
+    assert report.converged and report.iterations <= 40
+    assert abs(report.quality["largest first height / asked"] - 1) < 1e-3
