@@ -131,6 +131,27 @@ def fitted_plane(points: np.ndarray, *, tolerance: float = 1e-6, parameter: str 
     return plane
 
 
+def seen_upright(plane: Plane) -> Plane:
+    """A plane that stands upright, with its y up and its x to the right, which is along the space's x, or else y.
+
+    A frame that is right-handed about a coordinate, as that of `fitted_plane` is, shows what lies in the plane of x and
+    z with z to the right and x up, so that an airfoil's upper side would be below. Planes that rather lie stay.
+
+    Examples
+    --------
+    >>> seen_upright(fitted_plane([[0, 0, 0], [1, 0, 0], [1, 0, 1]])).axes
+    array([[1., 0., 0.],
+           [0., 0., 1.]])
+    """
+    normal = plane.normal
+    if abs(normal[2]) > 0.5:
+        return plane
+    right = np.array([-normal[1], normal[0], 0.0])
+    right *= np.sign(right[np.abs(right).argmax()]) / np.linalg.norm(right)
+    up = np.array([0.0, 0.0, 1.0]) - normal[2] * normal
+    return Plane(plane.origin, np.array([right, up / np.linalg.norm(up)]))
+
+
 @lru_cache(maxsize=64)
 def _plane_across(axis: int, first: int, second: int, value: float) -> Plane:
     """The plane in which one coordinate has a value; the two others are its own."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...errors import InvalidGeometry
 from ...geometry.curves import Curve, is_closed, polyline, turning
-from ...geometry.plane import Plane, fitted_plane
+from ...geometry.plane import Plane, fitted_plane, seen_upright
 from ...geometry.section import Section
 from ..limits import check_extent
 from .section_input import section_loop
@@ -111,7 +111,7 @@ def _slit(points: np.ndarray, flow: float) -> Sides:
     diagonal = check_extent(points, parameter="section")
     straight = np.ptp(points - points[0], axis=0).max() > 0
     try:
-        plane = fitted_plane(points, parameter="section")
+        plane = seen_upright(fitted_plane(points, parameter="section"))
     except InvalidGeometry:
         if not straight:
             raise

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...errors import InvalidGeometry, InvalidInput
 from ...geometry.curves import Curve, chains, is_closed, numbered_polyline, turning
-from ...geometry.plane import Plane, fitted_plane
+from ...geometry.plane import Plane, fitted_plane, seen_upright
 from ...geometry.section import doubled_area
 from ...mesh import Mesh
 from ...mesh.extent import bounds
@@ -108,7 +108,7 @@ def section_loop(curve: Curve) -> GivenSection:
     if len(points) < 3:
         raise InvalidGeometry(f"needs at least three different points, got {len(points)}", parameter="section")
     diagonal = check_extent(points, parameter="section")
-    plane = fitted_plane(points, parameter="section")
+    plane = seen_upright(fitted_plane(points, parameter="section"))
     loop = plane.to_plane(points)
     hair = TOUCH * diagonal + _ROUNDED * float(np.abs(points).max())
     kept = _without_spikes(loop, hair)
