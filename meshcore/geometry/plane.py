@@ -147,7 +147,7 @@ def seen_upright(plane: Plane) -> Plane:
     if abs(normal[2]) > 0.5:
         return plane
     right = np.array([-normal[1], normal[0], 0.0])
-    right *= np.sign(right[np.abs(right).argmax()]) / np.linalg.norm(right)
+    right = right * np.sign(right[np.abs(right).argmax()]) / np.linalg.norm(right) + 0.0  # no negative zeros
     up = np.array([0.0, 0.0, 1.0]) - normal[2] * normal
     return Plane(plane.origin, np.array([right, up / np.linalg.norm(up)]))
 

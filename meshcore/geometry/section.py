@@ -19,8 +19,9 @@ ALIKE = 0.9
 """Of the sharpest turn: points of round bodies that turn by more are alike, and the rearmost along x is the tail."""
 SIMILAR = np.radians(10.0)
 """Edges that turn by no less than this below the sharpest may be the trailing one: that farthest from the middle is."""
-STRAIGHT = 0.3
-"""Of a base's width: how far its points may stand off it. What is rounder, or has a deeper notch, is no base."""
+STRAIGHT = 2e-3
+"""Of a base's width: how far its points may stand off it, as rounded coordinates do. Grids make a base a straight line;
+what bends, has a point between its corners or a notch would be cut off."""
 Edge = Literal["sharp", "cusped", "blunt", "round"]
 
 

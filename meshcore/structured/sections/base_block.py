@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...errors import GenerationFailed
-from ...geometry.curves import arc_length, resampled
+from ...geometry.curves import arc_length
 from ...geometry.section import Section
 from ...mesh import Cut, MultiBlock, StructuredGrid
 from ...quality import summary, validate
@@ -59,27 +59,22 @@ def wake_sides(section: Section, line: np.ndarray, wider: np.ndarray) -> tuple[n
     return lower, upper
 
 
-def base_points(section: Section, lower: np.ndarray, upper: np.ndarray, heights: np.ndarray, across: int) -> np.ndarray:
+def base_points(lower: np.ndarray, upper: np.ndarray, heights: np.ndarray, across: int) -> np.ndarray:
     """(cells + 1, across + 1, 2) points of the block, i from the base downstream, j from the lower side to the upper.
 
     Parameters
     ----------
-    section : Section
-        With a blunt trailing edge; points of its base are resampled.
     lower, upper : (cells + 1, 2) float
-        Sides of the wake.
+        Sides of the wake, from the corners of the base on, whose own points are left out.
     heights : (cells + 1,) float
         Heights of the cells beside the wake, which those at both sides of the block are to have.
     across : int
         Cells from side to side.
     """
-    base = np.vstack([section.loop[section.lower :], section.loop[:1]])
     width = np.linalg.norm(upper - lower, axis=1)
-    width[0] = arc_length(base)[-1]
     first = np.broadcast_to(heights / width, width.shape)
     shares = np.array([_across(across, f) for f in first])
     points = lower[:, None] + shares[..., None] * (upper - lower)[:, None]
-    points[0] = resampled(np.column_stack([base, 0 * base[:, 0]]), shares[0])[:, :2]
     points[:, 0], points[:, -1] = lower, upper
     return points
 

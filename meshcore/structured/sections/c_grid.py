@@ -81,7 +81,7 @@ def c_grid(
     Parameters
     ----------
     section : Mesh or (n, 3) float
-        The closed loop, in a plane of any attitude. A narrow gap at the trailing edge is closed.
+        The closed loop, in any plane; in an upright one z is up. A narrow gap at the trailing edge is closed.
     outer : Mesh or (m, 3) float, optional
         A far field of your own: an open curve round the section, from beside the wake's end to beside it.
     far_field : {"C", "box"}
@@ -204,7 +204,7 @@ def c_grid(
     result = finished(grid, method, kept, past, _CURE, counts, figures, warnings, last, front.heights)
     if not front.across:
         return result
-    behind = base_points(shape, *front.sides, front.heights[len(points) - 1 - front.wake :], front.across)
+    behind = base_points(*front.sides, front.heights[len(points) - 1 - front.wake :], front.across)
     return with_base(result, given.to_space(behind), _CURE)
 
 

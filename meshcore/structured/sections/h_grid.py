@@ -72,7 +72,7 @@ def h_grid(
     Parameters
     ----------
     section : Mesh or (n, 3) float
-        A closed loop, or an open line: a slit from its first point to its last.
+        A closed loop, or an open line: a slit from its first point to its last. In an upright plane z is up.
     outer : Mesh or (m, 3) float, optional
         A far field of your own in place of the box: a closed curve round the section, such as a channel. Inflow, top,
         outflow and bottom meet at its four corners, the points farthest towards those of its bounding box.

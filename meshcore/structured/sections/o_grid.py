@@ -189,7 +189,8 @@ def _on_points(asked: Points, given: GivenSection, loop: np.ndarray, cut: int) -
 def _chord(loop: np.ndarray) -> tuple[float, np.ndarray]:
     """Length and middle of a section's chord: from the point farthest from its cut to the point farthest from that."""
     far = loop[np.argmax(np.linalg.norm(loop - loop[0], axis=1))]
-    other = loop[np.argmax(np.linalg.norm(loop - far, axis=1))]
+    away = np.linalg.norm(loop - far, axis=1)
+    other = loop[np.argmax(away > (1 - 1e-9) * away.max())]  # of both corners of a base that of the cut
     return float(np.linalg.norm(other - far)), 0.5 * (far + other)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from ...errors import InvalidGeometry, InvalidInput
 from ...geometry.curves import Curve, chains, is_closed, numbered_polyline, turning
 from ...geometry.plane import Plane, fitted_plane, seen_upright
-from ...geometry.section import doubled_area
+from ...geometry.section import Section, doubled_area
 from ...mesh import Mesh
 from ...mesh.extent import bounds
 from ..crossings import TOUCH, refuse_crossings
@@ -19,6 +19,8 @@ _GAP = 0.05
 """Of the extent: the widest gap at a trailing edge that is closed by a straight base."""
 _SAME = 1e-10
 """Of the extent: points in a row that are nearer are one."""
+_EQUAL = 1e-6
+"""Radians: turns that differ by less are equal."""
 _ROUNDED = 4 * 2.3e-16
 """Of the largest coordinate, which rounds: with `TOUCH` of the diagonal, a point nearer to an edge is on it."""
 
@@ -54,12 +56,21 @@ class GivenSection:
     def begun_at(self, cut: int) -> np.ndarray:
         """(n, 2) float: the loop from the user's point number ``cut``; from the sharpest if it is -1."""
         if cut == -1:
-            start = int(np.argmax(turning(self.loop)))
+            start = self._sharpest()
         elif cut in self.number:
             start = int(np.flatnonzero(self.number == cut)[0])
         else:
             raise InvalidInput(f"{cut} is no point of the section; -1 finds the sharpest", parameter="cut")
         return np.roll(self.loop, -start, axis=0)
+
+    def _sharpest(self) -> int:
+        """Number of the sharpest point; of equal ones, whose order is rounding's, where a `Section` begins, or else the
+        rearmost along x."""
+        turn = turning(self.loop)
+        alike = np.flatnonzero(turn > turn.max() - _EQUAL)
+        section = Section.of(self.loop)
+        first = int(np.flatnonzero((self.loop == section.loop[0]).all(axis=1))[0])
+        return first if first in alike else int(alike[np.argmax(self.loop[alike, 0])])
 
 
 def with_own_outer(section: Curve) -> tuple[Curve, Curve | None]:
