@@ -234,8 +234,8 @@ def _fine_fractions(sizes: Sequence[tuple[float, float]]) -> np.ndarray:
     """Fractions from 0 to 1 of a table of density: one a bin, ever denser towards places of given size."""
     near = np.geomspace(1e-9, 0.1, 600)
     around = [np.concatenate([at - near, [at], at + near]) for at, _ in sizes]
-    fine = np.concatenate([np.linspace(0, 1, _BINS + 1), *around])
-    return np.unique(np.clip(fine, 0, 1))
+    fine = np.concatenate([np.linspace(0, 1, _BINS + 1), *(ways % 1.0 for ways in around)])
+    return np.unique(fine)
 
 
 def _shares(density: np.ndarray, fine: np.ndarray, cells: int, sizes, growth: float) -> np.ndarray:

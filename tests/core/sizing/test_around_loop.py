@@ -175,3 +175,11 @@ def test_cells_are_no_longer_between_points_where_the_spline_bends_much():
 def test_a_coarse_round_bends_along_its_edges():
     turn = np.degrees(np.abs(turning(respaced_loop(gallery.circle(12).points[:, :2], 60))))
     assert np.ptp(turn) < 1.5 and turn.mean() == pytest.approx(6)
+
+
+def test_tiny_cells_where_the_loop_begins_need_no_more_cells_than_they_grow_by():
+    loop = SECTIONS["rae2822"]
+    new = respaced_loop(loop, 260, sizes=[(0.0, 1e-8)])  # was refused: both ends of the loop are one place
+    steps = np.linalg.norm(np.roll(new, -1, axis=0) - new, axis=1)
+    assert steps[[0, -1]] == pytest.approx(1e-8, rel=0.02)
+    assert growth_between_corners(loop, new) < 1.24
