@@ -285,9 +285,12 @@ def _numbers(tags: np.ndarray, wanted: np.ndarray, what: str) -> np.ndarray:
     """Where each wanted tag stands among the tags."""
     if not wanted.size:
         return np.zeros(wanted.shape, np.int64)
-    order = np.argsort(tags, kind="stable")
-    place = np.minimum(np.searchsorted(tags[order], wanted), max(len(tags) - 1, 0))
-    found = order[place] if len(tags) else np.zeros(wanted.shape, np.int64)
+    if len(tags) and (np.diff(tags) == 1).all():  # as a rule they count up
+        found = np.clip(wanted - tags[0], 0, len(tags) - 1)
+    else:
+        order = np.argsort(tags, kind="stable")
+        place = np.minimum(np.searchsorted(tags[order], wanted), max(len(tags) - 1, 0))
+        found = order[place] if len(tags) else np.zeros(wanted.shape, np.int64)
     bad = np.argwhere(tags[found] != wanted) if len(tags) else np.argwhere(np.ones(wanted.shape))
     if len(bad):
         raise InvalidInput(f"{what} {wanted[tuple(bad[0])]} is referred to, but is not there")

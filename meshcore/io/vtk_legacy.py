@@ -224,15 +224,19 @@ class _Body:
                 raise InvalidInput(f"line {cursor.line_number}: CONNECTIVITY was expected behind OFFSETS")
             return cursor.numbers(size, cursor.type(head, 1), key).astype(np.int64), offsets
         cursor.at = before
-        padded = cursor.numbers(size, "int", key).tolist()
-        offsets, corners, at = [0], [], 0
-        for _ in range(n):
-            if at >= size or padded[at] < 0 or at + 1 + padded[at] > size:
+        padded = cursor.numbers(size, "int", key).astype(np.int64)
+        heads, sizes, at, left = [], [], 0, n
+        while left:
+            width = int(padded[at]) + 1 if at < size else 0
+            count = _alike(padded, at, width, left) if width > 0 else 0
+            if not count or at + count * width > size:
                 raise InvalidInput(f"the {n} cells of {key} do not fit their {size} numbers")
-            corners += padded[at + 1 : at + 1 + padded[at]]
-            at += 1 + padded[at]
-            offsets.append(len(corners))
-        return np.array(corners, np.int64), np.array(offsets, np.int64)
+            heads.append(at + width * np.arange(count))
+            sizes.append(np.full(count, width - 1))
+            at, left = at + count * width, left - count
+        offsets = np.concatenate([[0], np.cumsum(np.concatenate([[], *sizes]))]).astype(np.int64)
+        corners = np.delete(padded[:at], np.concatenate([[], *heads]).astype(np.int64))
+        return corners, offsets
 
     def _attribute(self, key: str, words: list[str]) -> None:
         cursor = self.cursor
@@ -312,6 +316,18 @@ def _array(cursor: _Cursor, rows: int, columns: int, type_name: str, name: str) 
     else:
         values = cursor.numbers(rows * columns, type_name, name)
     return values.reshape(rows, columns) if columns != 1 else values
+
+
+def _alike(padded: np.ndarray, at: int, width: int, most: int) -> int:
+    """How many cells in a row have as many corners as the one at ``at``, which takes ``width`` numbers."""
+    count = 1
+    while count < most:  # twice as many at a time, so that kinds in turns cost little
+        ahead = padded[at + count * width : at + 2 * count * width : width][: most - count]
+        other = np.flatnonzero(ahead != width - 1)
+        if len(other) or not len(ahead):
+            return count + (int(other[0]) if len(other) else 0)
+        count += len(ahead)
+    return count
 
 
 register(

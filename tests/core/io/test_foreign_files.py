@@ -459,3 +459,42 @@ def test_sides_that_repeat_are_a_pair_of_markers(tmp_path: Path) -> None:
     }
     here, there = (again.points[np.unique(again.get("line")[again.sets[n] - 6])] for n in ("pitch", "pitch_donor"))
     np.testing.assert_allclose(here + [4, 0, 0], there)
+
+
+def test_legacy_vtk_with_kinds_in_turns(tmp_path):
+    """Each cell's size stands before its corners, and every one may be another."""
+    chance = np.random.default_rng(0)
+    sizes = chance.choice([3, 4], 60).tolist() + [3] * 40
+    rows = [chance.permutation(50)[:size].tolist() for size in sizes]
+    points = "\n".join(" ".join(map(repr, point)) for point in chance.random((50, 3)).tolist())
+    cells = "\n".join(" ".join(map(str, [len(row), *row])) for row in rows)
+    types = "\n".join("5" if size == 3 else "9" for size in sizes)
+    count = sum(sizes) + len(sizes)
+    head = f"# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 50 double\n{points}\n"
+    path = tmp_path / "a.vtk"
+    path.write_text(f"{head}CELLS 100 {count}\n{cells}\nCELL_TYPES 100\n{types}\n")
+    found = mc.io.read(path)
+    assert found.cells["triangle"].tolist() == [row for row in rows if len(row) == 3]
+    assert found.cells["quad"].tolist() == [row for row in rows if len(row) == 4]
+    for lie in (cells.replace("\n3 ", "\n-3 ", 1), cells.replace("\n4 ", "\n4000 ", 1), cells[: len(cells) // 2]):
+        path.write_text(f"{head}CELLS 100 {len(lie.split())}\n{lie}\nCELL_TYPES 100\n{types}\n")
+        with pytest.raises(mc.InvalidInput, match="the 100 cells of CELLS do not fit"):
+            mc.io.read(path)
+
+
+def test_gmsh_tags_in_any_order(tmp_path):
+    mesh = mc.Mesh([[0, 0], [1, 0], [1, 1], [0, 1]], {"quad": [[0, 1, 2, 3]]})
+    path = tmp_path / "a.msh"
+    nodes = {7: (0, 0), 3: (1, 0), 9: (1, 1), 4: (0, 1)}
+    listed = "\n".join(f"{tag} {x} {y} 0" for tag, (x, y) in nodes.items())
+    text = f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n{listed}\n$EndNodes\n$Elements\n1\n"
+    for first in (0, 5):  # as they are, and counting up from 5
+        known = list(nodes) if not first else [5, 6, 7, 8]
+        rows = "\n".join(f"{k} {x} {y} 0" for k, (x, y) in zip(known, nodes.values(), strict=True))
+        told = text.replace(listed, rows)
+        path.write_text(told + "1 3 2 0 1 " + " ".join(map(str, known)) + "\n$EndElements\n")
+        found = mc.io.read(path)
+        np.testing.assert_array_equal(found.points[found.cells["quad"][0]], mesh.points)
+        path.write_text(told + f"1 3 2 0 1 {known[0]} {known[1]} {known[2]} 2\n$EndElements\n")
+        with pytest.raises(mc.InvalidInput, match="point 2 is referred to"):
+            mc.io.read(path)
