@@ -14,7 +14,8 @@ from pathlib import Path
 
 import numpy as np
 from _common import Target, arguments, print_claim, print_heading, print_row, taken_alternately
-from _construct2d import KNOWN, marched_alike, skew
+from _construct2d import AROUND, KNOWN, WAKE, marched_alike, skew
+from _construct2d import LAYERS as LEVELS
 
 import meshcore as mc
 from meshcore import gallery, io
@@ -22,6 +23,7 @@ from meshcore.geometry.curves import polyline
 from meshcore.mesh import StructuredGrid
 from meshcore.quality import line_angle
 from meshcore.sizing.around_loop import respaced_loop
+from meshcore.structured.marching import parabolic_march
 from meshcore.structured.marching.hyperbolic_march import Marched, marched
 from meshcore.structured.marching.layer_heights import layer_heights
 from meshcore.structured.poisson.winslow import winslow
@@ -87,12 +89,24 @@ def beside_construct2d(sections: dict) -> None:
         "O-grids with a rounded base round blunt sections, C-grids round sharp ones. Half the front's sharpest turn\n"
         "is the skew of the cell there, whatever the march does.",
     )
-    print_row("section", "front", "worst skew (degree)", "half the sharpest turn", head=True)
+    print_row(
+        "section", "front", "worst skew (degree)", "half the sharpest turn", "C-grid on points of its own", head=True
+    )
     for name, section in sections.items():
         grid, blunt, turn = marched_alike(polyline(section)[:, :2])
         worst, known = skew(grid), KNOWN.get(name)
         told = Target(known, round(2 * known / 3, 1), at_most=True).verdict(worst) if known else f"{worst:.3g}"
-        print_row(name, "O" if blunt else "C", told, turn / 2)
+        own = max(map(skew, own_points(section)))
+        own = Target(known, round(2 * known / 3, 1), at_most=True).verdict(own) if known else f"{own:.3g}"
+        print_row(name, "O" if blunt else "C", told, turn / 2, own)
+
+
+def own_points(section: mc.Mesh) -> list[np.ndarray]:
+    """Blocks (ni, nj, 2) of a C-grid with as many points and layers, which stand where `c_grid` puts them."""
+    grid, _ = mc.c_grid(
+        section, method="hyperbolic", around=AROUND, layers=LEVELS, radius=REACH, y_plus=0.9, wake_cells=WAKE
+    )
+    return [block.points[:, :, 0, :2] for block in (grid.blocks if isinstance(grid, mc.MultiBlock) else [grid])]
 
 
 def random_sections(count: int) -> None:
@@ -151,23 +165,27 @@ def seconds(repeats: int) -> None:
     front = clockwise(section)
     grid = marched(front, heights(FIRST), closed=True).points
     ring = np.ascontiguousarray(np.concatenate([grid, grid[:1]]))
+    outer, shares = grid[:, -1], np.concatenate([[0.0], np.cumsum(heights(FIRST))]) / REACH
+    shares[-1] = 1.0
     contestants = {
         "the operation, with its checks and report": lambda: mc.hyperbolic(
             section, first_height=FIRST, layers=LAYERS, distance=REACH
         ),
         "the march": lambda: marched(front, heights(FIRST), closed=True),
+        "the parabolic march": lambda: parabolic_march.marched(front, outer, shares, closed=True),
         "elliptic": lambda: winslow(ring, cyclic=True, threads=1),
     }
     times = taken_alternately(contestants, repeats)
     print_row("what", "seconds", head=True)
-    for name in list(contestants)[:2]:
+    for name in list(contestants)[:3]:
         print_row(name, SECONDS.verdict(times[name].seconds))
     cycles = max(1, len(times["elliptic"].result.history) - 1)
     cycle = times["elliptic"].seconds / cycles
     print_row(f"one of {cycles} multigrid cycles of the elliptic solver", cycle)
     print_claim(
         "hyperbolic methods take about the same time as one iteration of an elliptic grid generator.",
-        f"the march takes {times['the march'].seconds / cycle:.2f} of one multigrid cycle on the same points.",
+        f"the march takes {times['the march'].seconds / cycle:.2f} of one multigrid cycle on the same points, "
+        f"the parabolic one {times['the parabolic march'].seconds / cycle:.2f}.",
     )
 
 
