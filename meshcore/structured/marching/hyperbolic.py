@@ -15,7 +15,7 @@ from ...quality import summary, validate
 from ...report import Report, Result
 from ..folds import refuse_folds
 from ..layer_report import layers_told, worst_skew
-from ..limits import check_size
+from ..limits import LARGEST, check_size
 from .fronts import Front, changes_told, read_front, stop_told
 from .hyperbolic_march import Dissipation, Marched, marched
 from .layer_heights import checked_heights, layer_heights
@@ -174,6 +174,8 @@ def hyperbolic(
     asked = first_height, growth, layers, distance, largest_height
     thickness = _asked_heights(ready, target, asked) if heights is None else _given_heights(ready, heights)
     check_size(len(ready.points) + 1, len(thickness) + 1, parameter="layers")
+    if not thickness.max() < LARGEST / len(thickness):
+        raise InvalidInput(f"reach {thickness.max():.3g} and more; make them smaller", parameter="heights")
     ends = _ends(ready, (first_end, last_end), (first_curve, last_curve), splay)
     dissipation = Dissipation(smoothing, implicitness, volume_smoothing, volume_averaging)
     step = part_of(progress, 0.0, 0.8)

@@ -101,9 +101,9 @@ def _fitted(side: Side, start: np.ndarray, stop: np.ndarray) -> np.ndarray:
 
 def _checked_fractions(fractions: np.ndarray, n: int) -> np.ndarray:
     shares = np.asarray(fractions, float)
-    shares = np.ascontiguousarray(shares.reshape(len(shares), -1) if shares.ndim else shares.reshape(1, 1))
-    if len(shares) < 2 or shares.shape[1] not in (1, n):
+    if shares.ndim not in (1, 2) or len(shares) < 2 or shares.shape[1:] not in ((), (1,), (n,)):
         raise InvalidInput(f"needs shape (layers + 1,) or (layers + 1, {n}), got {shares.shape}", parameter="fractions")
+    shares = np.ascontiguousarray(shares.reshape(len(shares), -1))
     if (shares[0] != 0).any() or (shares[-1] != 1).any() or not (np.diff(shares, axis=0) > 0).all():
         raise InvalidInput("must increase from 0 to 1", parameter="fractions")
     return shares
