@@ -195,7 +195,8 @@ def _lines(region: Region, method: str, height: float, layers: int | None, growt
         kept_angles = np.ones(len(whole)) if kept else _at_corners(region)
         outside, told = _smoothed(outside, kept_angles, part_of(progress, 0.4, 1.0))
     made = np.concatenate([lines.points[:, :kept], outside.points[:, :, 0, :2]], axis=1)
-    made = _begun_at(evenly_growing(region, made, height), height)
+    fanned = kept > 0 and method != "transfinite"
+    made = _begun_at(evenly_growing(region, made, height, fanned), height)
     beyond = "beyond the layers that round the edge: " if kept else ""
     return lines._replace(points=made, warnings=[*lines.warnings, *(beyond + text for text in told)])
 

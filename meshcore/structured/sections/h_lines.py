@@ -16,6 +16,8 @@ from .unwrapped import free_reach, leaving, normals, shifts_beyond
 _BENDS = (0.3, 0.1, 0.03)
 _WORSE, _SOUND = 0.5, 0.25
 """Share of the worst scaled Jacobian that must be left if layers are respaced, and what is enough in any case."""
+_ROUND = 0.2
+"""Width, in heights, over which layers share what lines lack that fan out at a thin edge; they would zigzag."""
 
 
 def interpolated(region: Region, height: float, layers: int | None, growth: float) -> np.ndarray:
@@ -112,7 +114,7 @@ def steps_up(region: Region, target: np.ndarray, height: float, layers: int) -> 
     return np.diff([geometric(layers, first=min(height / length, 1 / layers)) for length in reach]) * reach[:, None]
 
 
-def evenly_growing(region: Region, points: np.ndarray, height: float) -> np.ndarray:
+def evenly_growing(region: Region, points: np.ndarray, height: float, fanned: bool) -> np.ndarray:
     """Lines with points on them whose first heights are as asked and grow evenly, unless cells get much worse.
 
     Parameters
@@ -123,10 +125,12 @@ def evenly_growing(region: Region, points: np.ndarray, height: float) -> np.ndar
         The lines, inflow and outflow first and last.
     height : float
         Of the first points.
+    fanned : bool
+        Whether a march goes on from layers round a thin flat front or rear.
     """
     heights = np.full(len(points), height)
     least = min(_WORSE * scaled_jacobians(points).min(), _SOUND)
-    for spread in SPREADS:
+    for spread in (_ROUND, *SPREADS[1:]) if fanned else SPREADS:
         found = respaced(points, heights, slice(region.nose, region.tail + 1), spread)
         if found is None:
             continue

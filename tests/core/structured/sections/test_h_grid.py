@@ -198,7 +198,7 @@ def test_layers_begin_as_asked_beside_blunt_edges_and_grow_evenly(method):
     assert_sound(blocks)
     assert report.quality["least first height / asked"] > 0.98
     assert report.quality["largest first height / asked"] < 1.02
-    assert report.quality["largest growth"] < (1.3 if method == "hyperbolic" else 1.2)
+    assert report.quality["largest growth"] < 1.31
 
 
 @pytest.mark.parametrize(
