@@ -234,7 +234,7 @@ def blob(seed, n=60):
 
 @pytest.mark.parametrize(("seed", "raised"), [(0, False), (543, True), (640, True), (998, True)])
 def test_where_cells_would_fold_a_march_is_tried_with_more_dissipation(seed, raised):
-    """With a fifteenth of the default; with that no march off 5000 of these bodies needs more."""
+    """With a fifteenth of the default, with which these bodies do not need it."""
     heights, smoothing = layer_heights(1e-4, 3.0, layers=80, distance=20.0), 0.02
     result = marched(blob(seed), heights, closed=True, dissipation=Dissipation(smoothing))
     assert result.stop is None and (result.raised > 1) == raised
