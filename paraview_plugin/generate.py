@@ -107,6 +107,12 @@ def _wrapped_import(line: str) -> str:
 # ---- one class for each operation
 
 
+# ParaView reads it when it has set a filter up, see `Algorithm.GetSetUp`.
+_SET_UP = """
+<IntVectorProperty name="SetUp" command="GetSetUp" information_only="1" number_of_elements="1" default_values="0"
+                   panel_visibility="never"/>"""
+
+
 def operation_class(op: Operation) -> str:
     """The class of an operation, with the XML that describes its properties to ParaView."""
     label = f"meshcore {op.label}"
@@ -121,7 +127,7 @@ def operation_class(op: Operation) -> str:
 @smhint.xml('<ShowInMenu category="meshcore"/>')
 @smproperty.xml(
     """
-{textwrap.indent(_panel(op), "    ")}
+{textwrap.indent(_panel(op) + (_SET_UP if output == "vtkStructuredGrid" else ""), "    ")}
     """
 )
 class {name}(Operation):

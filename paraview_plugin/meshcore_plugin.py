@@ -9,6 +9,7 @@ import sys
 import warnings
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
@@ -31,6 +32,7 @@ from vtkmodules.vtkCommonDataModel import (
 )
 from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm, vtkStreamingDemandDrivenPipeline
 from vtkmodules.vtkFiltersCore import vtkAppendFilter
+from vtkmodules.vtkParallelCore import vtkMultiProcessController
 
 paraview_plugin_name = "meshcore"
 paraview_plugin_version = "0.1.0"
@@ -441,6 +443,15 @@ def meshcore_itself():
     return meshcore
 
 
+class Kept(NamedTuple):
+    """A structured result, or why there is none, and what its inputs were."""
+
+    key: dict | None = None
+    dataset: vtkStructuredGrid | None = None
+    error: Exception | None = None
+    said: list = []
+
+
 class Algorithm(VTKPythonAlgorithmBase):
     """Base of all: keeps the properties, runs `make`, and tells its errors in one line.
 
@@ -455,13 +466,21 @@ class Algorithm(VTKPythonAlgorithmBase):
     def __init__(self):
         super().__init__(nInputPorts=len(self.ports), nOutputPorts=1, outputType=self.output)
         self.values = {}
+        self.kept = Kept()
+        # Only one of several processes is asked whether it is set up; there all work from the start.
+        self.set_up = vtkMultiProcessController.GetGlobalController().GetNumberOfProcesses() > 1
 
     def set(self, name, *values):
         """Keep a property's value, and run again if it is new."""
         value = values[0] if len(values) == 1 else values
         if name not in self.values or self.values[name] != value:
             self.values[name] = value
-            self.Modified()
+            self.changed()
+
+    def changed(self):
+        """A property is new: what was made with the old one is out of date."""
+        self.kept = Kept()
+        self.Modified()
 
     def make(self, inputs):
         """The mesh or grid, and its report or None, of the inputs given by port name."""
@@ -480,7 +499,17 @@ class Algorithm(VTKPythonAlgorithmBase):
         info = outInfo.GetInformationObject(0)
         info.Set(vtkAlgorithm.CAN_HANDLE_PIECE_REQUEST(), 1)
         if self.output == "vtkStructuredGrid":
-            put_extent(info, UNKNOWN_EXTENT)  # until the work is done; the old one would cut the new grid off
+            put_extent(info, self.extent_made(inInfo) if self.set_up else UNKNOWN_EXTENT)
+        return 1
+
+    def GetSetUp(self):
+        """ParaView reads this when a new filter is set up, before its parameters are applied: no time to work yet.
+
+        What it was told of the extent until then would hold until something changes.
+        """
+        if not self.set_up:
+            self.set_up = True
+            self.Modified()
         return 1
 
     def RequestUpdateExtent(self, request, inInfo, outInfo):
@@ -530,9 +559,62 @@ class Algorithm(VTKPythonAlgorithmBase):
 
     def run(self, inInfo, info):
         """Make the result from the inputs and put it into the output."""
+        output = info.Get(vtkDataObject.DATA_OBJECT())
+        if self.output != "vtkStructuredGrid":
+            self.work(inInfo, output)
+            return
+        self.keep(inInfo)
+        if self.kept.error is not None:
+            error, self.kept = self.kept.error, Kept()
+            raise error
+        for warning in self.kept.said:
+            warnings.warn(warning.message, warning.category, stacklevel=1)
+        output.ShallowCopy(self.kept.dataset)
+        put_extent(info, output.GetExtent())
+
+    def extent_made(self, inInfo):
+        """The extent of a structured result, for which it has to be made.
+
+        ParaView asks for extents before data, and hands on what it was told: of a grid whose extent is told later
+        nothing is drawn. Errors are told when the data are asked for.
+        """
+        piece = min(vtkMultiProcessController.GetGlobalController().GetLocalProcessId(), 1)
+        for port in range(len(self.ports)):
+            if self.GetNumberOfInputConnections(port):
+                self.GetInputAlgorithm(port, 0).UpdatePiece(piece, 1, 0)
+        if piece:
+            return UNKNOWN_EXTENT
+        self.SetAbortExecute(0)
+        self.keep(inInfo)
+        return UNKNOWN_EXTENT if self.kept.error else self.kept.dataset.GetExtent()
+
+    def keep(self, inInfo):
+        """Make the structured result and keep it, unless the one there is belongs to these inputs."""
+        key = {name: self.stamp(port, inInfo[port]) for port, (name, _, _) in enumerate(self.ports)}
+        if self.kept.key == key:
+            return
+        dataset, error = vtkStructuredGrid(), None
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            try:
+                meshcore_itself()
+                self.work(inInfo, dataset)
+            except Exception as raised:  # whatever it is, `run` raises it
+                error = raised
+        self.kept = Kept(key, dataset, error, said)
+
+    def stamp(self, port, infos):
+        """When anything before an input was last changed, and the time that its data are of."""
+        if not infos.GetNumberOfInformationObjects():
+            return None
+        dataset = infos.GetInformationObject(0).Get(vtkDataObject.DATA_OBJECT())
+        time = dataset.GetInformation().Get(vtkDataObject.DATA_TIME_STEP()) if dataset else None
+        return self.GetInputExecutive(port, 0).GetPipelineMTime(), time
+
+    def work(self, inInfo, output):
+        """Fill the output with what `make` makes of the inputs."""
         import meshcore
 
-        output = info.Get(vtkDataObject.DATA_OBJECT())
         datasets = self.datasets(inInfo)
         inputs = {}
         try:
@@ -545,8 +627,6 @@ class Algorithm(VTKPythonAlgorithmBase):
         fill(output, mesh)
         if report is not None:
             fill_report(output, report)
-        if self.output == "vtkStructuredGrid":
-            put_extent(info, output.GetExtent())
 
     def datasets(self, inInfo):
         """The connected inputs by the name of their port."""
@@ -577,7 +657,7 @@ class Operation(Algorithm):
         """Keep the array of an optional input, which goes before one of the first input if both are there."""
         if self.preferred.get((name, port), "") != value:
             self.preferred[name, port] = value
-            self.Modified()
+            self.changed()
 
     def make(self, inputs):
         import meshcore
@@ -1284,6 +1364,8 @@ class meshcoreCGrid(Operation):
       <Property name="Corners"/>
       <Property name="ShiftCorners"/>
     </PropertyGroup>
+    <IntVectorProperty name="SetUp" command="GetSetUp" information_only="1" number_of_elements="1" default_values="0"
+                       panel_visibility="never"/>
     """
 )
 class meshcoreEllipticGrid(Operation):
@@ -1482,6 +1564,8 @@ class meshcoreEllipticGrid(Operation):
       <Property name="Residual"/>
       <Property name="MaxCycles"/>
     </PropertyGroup>
+    <IntVectorProperty name="SetUp" command="GetSetUp" information_only="1" number_of_elements="1" default_values="0"
+                       panel_visibility="never"/>
     """
 )
 class meshcoreEllipticVolume(Operation):
@@ -1617,6 +1701,8 @@ class meshcoreEllipticVolume(Operation):
       <Property name="Residual"/>
       <Property name="MaxCycles"/>
     </PropertyGroup>
+    <IntVectorProperty name="SetUp" command="GetSetUp" information_only="1" number_of_elements="1" default_values="0"
+                       panel_visibility="never"/>
     """
 )
 class meshcoreEllipticSmoothing(Operation):
@@ -1919,6 +2005,8 @@ class meshcoreHGrid(Operation):
       <Property name="VolumeSmoothing"/>
       <Property name="VolumeAveraging"/>
     </PropertyGroup>
+    <IntVectorProperty name="SetUp" command="GetSetUp" information_only="1" number_of_elements="1" default_values="0"
+                       panel_visibility="never"/>
     """
 )
 class meshcoreHyperbolicGrid(Operation):
@@ -2197,6 +2285,8 @@ class meshcoreExtrudeHyperbolic(Operation):
     <PropertyGroup label="Advanced">
       <Property name="Cut"/>
     </PropertyGroup>
+    <IntVectorProperty name="SetUp" command="GetSetUp" information_only="1" number_of_elements="1" default_values="0"
+                       panel_visibility="never"/>
     """
 )
 class meshcoreOGrid(Operation):
@@ -2304,6 +2394,8 @@ class meshcoreOGrid(Operation):
       <Property name="Growth"/>
       <Property name="Layers"/>
     </PropertyGroup>
+    <IntVectorProperty name="SetUp" command="GetSetUp" information_only="1" number_of_elements="1" default_values="0"
+                       panel_visibility="never"/>
     """
 )
 class meshcoreParabolicGrid(Operation):
@@ -2459,6 +2551,8 @@ class meshcoreParabolicGrid(Operation):
     <PropertyGroup label="Advanced">
       <Property name="Tolerance"/>
     </PropertyGroup>
+    <IntVectorProperty name="SetUp" command="GetSetUp" information_only="1" number_of_elements="1" default_values="0"
+                       panel_visibility="never"/>
     """
 )
 class meshcoreTransfiniteInterpolation(Operation):
@@ -2641,6 +2735,8 @@ class meshcoreTransfiniteInterpolation(Operation):
     <PropertyGroup label="Advanced">
       <Property name="Tolerance"/>
     </PropertyGroup>
+    <IntVectorProperty name="SetUp" command="GetSetUp" information_only="1" number_of_elements="1" default_values="0"
+                       panel_visibility="never"/>
     """
 )
 class meshcoreTransfiniteVolume(Operation):

@@ -5,12 +5,14 @@ from __future__ import annotations
 import sys
 import warnings
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from paraview import print_error, print_warning
 from paraview.util.vtkAlgorithm import VTKPythonAlgorithmBase
 from vtkmodules.vtkCommonDataModel import vtkCompositeDataSet, vtkDataObject, vtkStructuredGrid
 from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm, vtkStreamingDemandDrivenPipeline
+from vtkmodules.vtkParallelCore import vtkMultiProcessController
 
 from .conversion import blocks_of, boundary_of, curve_of, fill, fill_report, grid_of, mesh_of
 from .meshcore_plugin import paraview_plugin_version  # written by generate.py
@@ -48,6 +50,15 @@ def meshcore_itself():
     return meshcore
 
 
+class Kept(NamedTuple):
+    """A structured result, or why there is none, and what its inputs were."""
+
+    key: dict | None = None
+    dataset: vtkStructuredGrid | None = None
+    error: Exception | None = None
+    said: list = []
+
+
 class Algorithm(VTKPythonAlgorithmBase):
     """Base of all: keeps the properties, runs `make`, and tells its errors in one line.
 
@@ -62,13 +73,21 @@ class Algorithm(VTKPythonAlgorithmBase):
     def __init__(self):
         super().__init__(nInputPorts=len(self.ports), nOutputPorts=1, outputType=self.output)
         self.values = {}
+        self.kept = Kept()
+        # Only one of several processes is asked whether it is set up; there all work from the start.
+        self.set_up = vtkMultiProcessController.GetGlobalController().GetNumberOfProcesses() > 1
 
     def set(self, name, *values):
         """Keep a property's value, and run again if it is new."""
         value = values[0] if len(values) == 1 else values
         if name not in self.values or self.values[name] != value:
             self.values[name] = value
-            self.Modified()
+            self.changed()
+
+    def changed(self):
+        """A property is new: what was made with the old one is out of date."""
+        self.kept = Kept()
+        self.Modified()
 
     def make(self, inputs):
         """The mesh or grid, and its report or None, of the inputs given by port name."""
@@ -87,7 +106,17 @@ class Algorithm(VTKPythonAlgorithmBase):
         info = outInfo.GetInformationObject(0)
         info.Set(vtkAlgorithm.CAN_HANDLE_PIECE_REQUEST(), 1)
         if self.output == "vtkStructuredGrid":
-            put_extent(info, UNKNOWN_EXTENT)  # until the work is done; the old one would cut the new grid off
+            put_extent(info, self.extent_made(inInfo) if self.set_up else UNKNOWN_EXTENT)
+        return 1
+
+    def GetSetUp(self):
+        """ParaView reads this when a new filter is set up, before its parameters are applied: no time to work yet.
+
+        What it was told of the extent until then would hold until something changes.
+        """
+        if not self.set_up:
+            self.set_up = True
+            self.Modified()
         return 1
 
     def RequestUpdateExtent(self, request, inInfo, outInfo):
@@ -137,9 +166,62 @@ class Algorithm(VTKPythonAlgorithmBase):
 
     def run(self, inInfo, info):
         """Make the result from the inputs and put it into the output."""
+        output = info.Get(vtkDataObject.DATA_OBJECT())
+        if self.output != "vtkStructuredGrid":
+            self.work(inInfo, output)
+            return
+        self.keep(inInfo)
+        if self.kept.error is not None:
+            error, self.kept = self.kept.error, Kept()
+            raise error
+        for warning in self.kept.said:
+            warnings.warn(warning.message, warning.category, stacklevel=1)
+        output.ShallowCopy(self.kept.dataset)
+        put_extent(info, output.GetExtent())
+
+    def extent_made(self, inInfo):
+        """The extent of a structured result, for which it has to be made.
+
+        ParaView asks for extents before data, and hands on what it was told: of a grid whose extent is told later
+        nothing is drawn. Errors are told when the data are asked for.
+        """
+        piece = min(vtkMultiProcessController.GetGlobalController().GetLocalProcessId(), 1)
+        for port in range(len(self.ports)):
+            if self.GetNumberOfInputConnections(port):
+                self.GetInputAlgorithm(port, 0).UpdatePiece(piece, 1, 0)
+        if piece:
+            return UNKNOWN_EXTENT
+        self.SetAbortExecute(0)
+        self.keep(inInfo)
+        return UNKNOWN_EXTENT if self.kept.error else self.kept.dataset.GetExtent()
+
+    def keep(self, inInfo):
+        """Make the structured result and keep it, unless the one there is belongs to these inputs."""
+        key = {name: self.stamp(port, inInfo[port]) for port, (name, _, _) in enumerate(self.ports)}
+        if self.kept.key == key:
+            return
+        dataset, error = vtkStructuredGrid(), None
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            try:
+                meshcore_itself()
+                self.work(inInfo, dataset)
+            except Exception as raised:  # whatever it is, `run` raises it
+                error = raised
+        self.kept = Kept(key, dataset, error, said)
+
+    def stamp(self, port, infos):
+        """When anything before an input was last changed, and the time that its data are of."""
+        if not infos.GetNumberOfInformationObjects():
+            return None
+        dataset = infos.GetInformationObject(0).Get(vtkDataObject.DATA_OBJECT())
+        time = dataset.GetInformation().Get(vtkDataObject.DATA_TIME_STEP()) if dataset else None
+        return self.GetInputExecutive(port, 0).GetPipelineMTime(), time
+
+    def work(self, inInfo, output):
+        """Fill the output with what `make` makes of the inputs."""
         import meshcore
 
-        output = info.Get(vtkDataObject.DATA_OBJECT())
         datasets = self.datasets(inInfo)
         inputs = {}
         try:
@@ -152,8 +234,6 @@ class Algorithm(VTKPythonAlgorithmBase):
         fill(output, mesh)
         if report is not None:
             fill_report(output, report)
-        if self.output == "vtkStructuredGrid":
-            put_extent(info, output.GetExtent())
 
     def datasets(self, inInfo):
         """The connected inputs by the name of their port."""
@@ -184,7 +264,7 @@ class Operation(Algorithm):
         """Keep the array of an optional input, which goes before one of the first input if both are there."""
         if self.preferred.get((name, port), "") != value:
             self.preferred[name, port] = value
-            self.Modified()
+            self.changed()
 
     def make(self, inputs):
         import meshcore

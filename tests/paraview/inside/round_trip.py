@@ -123,6 +123,15 @@ def check_report_is_in_the_field_data(operation):
     assert any(row.startswith("seconds: ") for row in rows), rows
 
 
+def check_cells_reach_the_next_filter(operation):
+    """At once, and after a change: filters of ParaView's own see no more of a grid than its extent told before."""
+    proxy, mesh = filter_and_call(operation)
+    shrunk = pv.Shrink(Input=proxy)
+    assert fetched(shrunk).GetNumberOfCells() == fetched(proxy).GetNumberOfCells() >= mesh.n_cells > 0
+    surface = pv.ExtractSurface(Input=proxy)
+    assert fetched(surface).GetNumberOfCells() > 0
+
+
 def check_survives_garbage_collection(operation):
     proxy, mesh = filter_and_call(operation)
     proxy.UpdatePipeline()
