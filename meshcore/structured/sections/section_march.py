@@ -141,6 +141,8 @@ def _marched(
         found = hyperbolic_march.marched(front, steps.T, closed=closed, ends=ends, progress=part_of(progress, 0.0, 0.5))
         if found.stop is None and onto is not None:
             found = _drawn(found, onto, None if closed else points[[0, -1], kept:])
+        elif found.stop is None and not closed:
+            found = found._replace(points=_ends_in_line(found.points))
         if found.stop is None:
             return _whole(method, points, found, kept, closed, warnings)
         warnings.append(f"the hyperbolic march {stop_told(found.stop, plane)}; the parabolic one took its place")
@@ -159,6 +161,20 @@ def _marched(
         return _whole(method, points, found, kept, closed, warnings)
     stopped = f"the parabolic march {stop_told(found.stop, plane)}; {_EQUATIONS}"
     return Lines("elliptic", points, [*warnings, stopped], {})
+
+
+def _ends_in_line(points: np.ndarray) -> np.ndarray:
+    """Lines along outflows as high as their neighbours, beyond the first layer; they alone have the heights asked for.
+
+    Inside, a front's dissipation shares heights between neighbours. A straight line takes no part in that, and all
+    layers would bend in the last column.
+    """
+    points = points.copy()
+    for line, neighbour in ((0, 1), (-1, -2)):
+        height, beside = lengths_along(points[[line, neighbour]])
+        share = beside[1:] / height[1:] * (height[1] / beside[1])
+        points[line, 1:] = points[line, 0] + share[:, None] * (points[line, 1:] - points[line, 0])
+    return points
 
 
 def _drawn(march: Marched, onto: Onto, sides: np.ndarray | None) -> Marched:

@@ -219,3 +219,11 @@ def test_the_wake_of_a_symmetric_section_is_straight_and_its_grid_symmetric():
     points = grid.points[:, :, 0]
     assert np.abs(points[: report.counts["wake"], 0, 1]).max() < 1e-9
     assert np.abs(points - points[::-1] * [1, -1, 1]).max() < 1e-3
+
+
+def test_layers_of_a_march_reach_the_outflow_without_a_kink():
+    points = mc.c_grid(gallery.airfoil("rae2822"), first_height=1e-5).mesh.points[..., 0, :2]
+    for ends in (points[:3], points[-1:-4:-1]):
+        last, before = ends[1] - ends[0], ends[2] - ends[1]
+        turn = np.arctan2(last[:, 0] * before[:, 1] - last[:, 1] * before[:, 0], (last * before).sum(axis=1))
+        assert np.degrees(np.abs(turn)).max() < 5  # 12.6 where the outflow's line alone keeps its heights
