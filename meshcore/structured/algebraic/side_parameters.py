@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Union
 from ...geometry.curves import Curve
 from ...mesh import Mesh, StructuredGrid
 from ...operation import Length, Param, Port
+from ...sizing import law
 
 _SIDE = "line cells in one chain, or points in order"
 
@@ -32,17 +33,7 @@ SpacingSouthParam = Annotated[Length | None, Param("Height of the cells at the s
 SpacingEastParam = Annotated[Length | None, Param("Width of the cells at the east side", group="Spacing")]
 SpacingNorthParam = Annotated[Length | None, Param("Height of the cells at the north side", group="Spacing")]
 SpacingWestParam = Annotated[Length | None, Param("Width of the cells at the west side", group="Spacing")]
-Law = Literal[
-    "as given",
-    "uniform",
-    "geometric",
-    "hyperbolic tangent",
-    "hyperbolic sine",
-    "cosine",
-    "curvature",
-    "poisson",
-    "copied",
-]
+Law = Literal["as given", law.Law]
 LawIParam = Annotated[Law, Param("How points stand along south and north", group="Spacing")]
 LawJParam = Annotated[Law, Param("How points stand along west and east", group="Spacing")]
 CornersParam = Annotated[

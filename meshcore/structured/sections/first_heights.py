@@ -12,7 +12,7 @@ from ...mesh import StructuredGrid
 from ...quality import summary
 from ..folds import folded_cells
 from .lines_out import lengths_along
-from .spreading import SPREADS, spread_with_height
+from .spreading import SOUND, SPREADS, WORSE, spread_with_height
 
 WITHIN = 0.01
 """Error of a first height from which on its line is corrected."""
@@ -21,8 +21,6 @@ _FADE = 0.02
 _FEWEST = 10
 """Cells that a correction is spread over, at least."""
 _TRIES = 4
-_WORSE, _SOUND = 0.5, 0.25
-"""Share of the worst scaled Jacobian that must be left if lines move alone, and what is enough in any case."""
 
 
 def worst_jacobian(points: np.ndarray) -> float:
@@ -61,13 +59,12 @@ def with_first_heights(points: np.ndarray, heights: np.ndarray) -> np.ndarray:
     lacking[np.abs(lacking) < WITHIN] = 0.0
     if not lacking.any():
         return points
-    least = min(_WORSE * worst_jacobian(points), _SOUND)
+    least = min(WORSE * worst_jacobian(points), SOUND)
     for spread in SPREADS:
         moved = _moved(points, lacking, spread)
         if worst_jacobian(moved) > least:
             return moved
     for _ in range(_TRIES):
-        moved = _moved(points, lacking, SPREADS[-1])
         unsound = folded_cells(moved).any(axis=1)
         if not unsound.any():
             return moved
@@ -76,6 +73,7 @@ def with_first_heights(points: np.ndarray, heights: np.ndarray) -> np.ndarray:
             stays[np.clip(np.flatnonzero(unsound) + k, 0, len(points) - 1)] = True
         stays[[0, -1]] = stays[0] or stays[-1]  # the two sides of a cut
         lacking[stays] = 0.0
+        moved = _moved(points, lacking, SPREADS[-1])
     return points
 
 

@@ -10,12 +10,10 @@ from .h_regions import Region
 from .lines_out import geometric_lines
 from .respacing import respaced
 from .section_result import scaled_jacobians
-from .spreading import SPREADS
+from .spreading import SOUND, SPREADS, WORSE
 from .unwrapped import free_reach, leaving, normals, shifts_beyond
 
 _BENDS = (0.3, 0.1, 0.03)
-_WORSE, _SOUND = 0.5, 0.25
-"""Share of the worst scaled Jacobian that must be left if layers are respaced, and what is enough in any case."""
 _ROUND = 0.2
 """Width, in heights, over which layers share what lines lack that fan out at a thin edge; they would zigzag."""
 
@@ -129,7 +127,7 @@ def evenly_growing(region: Region, points: np.ndarray, height: float, fanned: bo
         Whether a march goes on from layers round a thin flat front or rear.
     """
     heights = np.full(len(points), height)
-    least = min(_WORSE * scaled_jacobians(points).min(), _SOUND)
+    least = min(WORSE * scaled_jacobians(points).min(), SOUND)
     for spread in (_ROUND, *SPREADS[1:]) if fanned else SPREADS:
         found = respaced(points, heights, slice(region.nose, region.tail + 1), spread)
         if found is None:

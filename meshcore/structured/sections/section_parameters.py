@@ -9,6 +9,7 @@ import numpy as np
 from ...errors import InvalidInput
 from ...geometry.curves import Curve
 from ...operation import Length, Param, Port, absolute
+from ..algebraic.side_parameters import Law
 from .wall_units import height_for
 
 Method = Literal["transfinite", "elliptic", "hyperbolic", "parabolic"]
@@ -30,17 +31,6 @@ GrowthParam = Annotated[
 ]
 LayersParam = Annotated[
     int | None, Param("Cells from the section out; by default as many as growth needs", min=1, soft_max=500)
-]
-Law = Literal[
-    "as given",
-    "uniform",
-    "geometric",
-    "hyperbolic tangent",
-    "hyperbolic sine",
-    "cosine",
-    "curvature",
-    "poisson",
-    "copied",
 ]
 LawIParam = Annotated[
     Law, Param("How points stand along each side of the section, from the trailing edge to the nose", group="Spacing")

@@ -16,6 +16,9 @@ from .lines_out import lengths_along
 
 SPREADS = 0.0, 1.0, 2.0
 """Widths, in heights, to be tried in turn: lines of layers that share what they lack grow less evenly."""
+WORSE, SOUND = 0.5, 0.25
+"""Share of the worst scaled Jacobian that must be left if points move along their lines, and what is enough in any
+case."""
 
 
 def spread_with_height(amounts: np.ndarray, points: np.ndarray, spread: float = 1.0) -> np.ndarray:
